@@ -1,0 +1,275 @@
+"""What a solver is given: bodies, named boundary parts with conditions, tool, contact and controls.
+
+Solvers take a :class:`Problem` and know nothing of case files; ``pfemcut.case.cutting`` translates an
+orthogonal cutting case, other translators serve verification problems. Units: mm, tonne, s, K (so N, MPa, mJ).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+from meshing.sizes import SizeField
+from pfemcut.materials.material import Material
+from pfemcut.tools.rigid_wedge import RigidWedge
+
+
+class Axis(Enum):
+    """Direction of a prescribed motion."""
+
+    X = 0
+    Y = 1
+
+
+class Integrator(Enum):
+    """How the momentum solve sees the plastic multiplier."""
+
+    IMPL_EX = "impl-ex"
+    IMPLICIT = "implicit"
+
+
+class HeatSource(Enum):
+    """Which plastic multiplier heats: the implicit one (default) or the extrapolated one (the paper's Box 4)."""
+
+    IMPLICIT = "implicit"
+    EXTRAPOLATED = "extrapolated"
+
+
+@dataclass(frozen=True)
+class Body:
+    """A meshed body.
+
+    Attributes
+    ----------
+    name
+        Name used in messages and outputs.
+    outline
+        Corners of the polygon, counter-clockwise (mm).
+    parts
+        Name of the boundary part of each polygon side; side ``i`` runs from corner ``i`` to ``i + 1``.
+    material
+        Material of the whole body.
+    temperature
+        Initial temperature (K).
+    """
+
+    name: str
+    outline: tuple[tuple[float, float], ...]
+    parts: tuple[str, ...]
+    material: Material
+    temperature: float
+
+
+@dataclass(frozen=True)
+class PrescribedMotion:
+    """A velocity component (mm/s) prescribed on a boundary part; zero fixes it."""
+
+    part: str
+    axis: Axis
+    velocity: float = 0.0
+
+
+@dataclass(frozen=True)
+class PrescribedTemperature:
+    """A temperature (K) prescribed on a boundary part."""
+
+    part: str
+    temperature: float
+
+
+@dataclass(frozen=True)
+class HeatFlux:
+    """A heat flux into the body (N/(mm s) = mW/mm²) on a boundary part."""
+
+    part: str
+    flux: float
+
+
+@dataclass(frozen=True)
+class MovingTool:
+    """A rigid tool at time zero and its constant velocity (mm/s)."""
+
+    shape: RigidWedge
+    velocity: tuple[float, float]
+
+    def at(self, time: float) -> RigidWedge:
+        """The tool at ``time`` (s)."""
+        x, y = self.shape.centre
+        vx, vy = self.velocity
+        centre = (x + vx * time, y + vy * time)
+        return RigidWedge(centre, self.shape.rake, self.shape.clearance, self.shape.tip_radius)
+
+
+@dataclass(frozen=True)
+class ContactLaw:
+    """Penalty contact with regularised Coulomb friction (paper, eqs. 14, 26, 33).
+
+    Attributes
+    ----------
+    penalty
+        Pressure per penetration (MPa/mm).
+    friction
+        Coulomb coefficient.
+    reference_speed
+        Regularisation speed V_ref of eq. 26 (mm/s).
+    heat_partition
+        Fraction of the friction heat that enters the workpiece.
+    """
+
+    penalty: float
+    friction: float
+    reference_speed: float
+    heat_partition: float
+
+
+@dataclass(frozen=True)
+class ParticleControls:
+    """Insertion and removal of particles (paper, section 2.1 and Figs. 2 and 3).
+
+    Lengths are relative to the local spacing h of ``sizes``.
+
+    Attributes
+    ----------
+    sizes
+        Wished spacing at time zero.
+    sizes_follow_tool
+        Whether the size field moves with the tool.
+    remesh
+        Whether particles are re-triangulated, inserted and removed at all.
+    insert, remove
+        Switches of insertion and removal.
+    boundary_split
+        A boundary edge longer than this times h is split.
+    boundary_removal
+        A boundary edge shorter than this times h is collapsed.
+    interior_radius, interior_area
+        An element is refined if its circumradius exceeds ``interior_radius`` h or its area
+        ``interior_area`` h².
+    interior_spacing
+        A new particle keeps this times h from the others.
+    interior_removal
+        A particle closer than this times h to another is removed.
+    power_tolerance
+        Plastic power of one element, as a fraction of the body's, above which it is refined (eq. 1).
+    power_smallest
+        Plastic-power refinement stops at this times h.
+    """
+
+    sizes: SizeField
+    sizes_follow_tool: bool
+    remesh: bool
+    insert: bool
+    remove: bool
+    boundary_split: float
+    boundary_removal: float
+    interior_radius: float
+    interior_area: float
+    interior_spacing: float
+    interior_removal: float
+    power_tolerance: float
+    power_smallest: float
+
+
+@dataclass(frozen=True)
+class TimeControls:
+    """Time stepping.
+
+    Attributes
+    ----------
+    step
+        Nominal step (s).
+    end
+        Final time (s).
+    first_step_fraction
+        The first step is this times ``step`` and grows from there.
+    growth
+        Largest ratio of a step to the one before.
+    smallest_step_fraction
+        A run whose step must fall below this times ``step`` stops with an error.
+    integrator, heat_source
+        See the enumerations.
+    inertia
+        Whether the momentum balance has its inertia term (backward Euler).
+    """
+
+    step: float
+    end: float
+    first_step_fraction: float
+    growth: float
+    smallest_step_fraction: float
+    integrator: Integrator
+    heat_source: HeatSource
+    inertia: bool
+
+
+@dataclass(frozen=True)
+class NewtonControls:
+    """Newton iteration of the momentum solve.
+
+    Attributes
+    ----------
+    tolerance
+        Relative tolerance of the residual norm.
+    max_iterations
+        A solve that needs more is retried with half the step.
+    """
+
+    tolerance: float
+    max_iterations: int
+
+
+@dataclass(frozen=True)
+class Cut:
+    """What derived figures of an orthogonal cut refer to.
+
+    Attributes
+    ----------
+    depth
+        Uncut chip thickness (mm).
+    speed
+        Cutting speed (mm/s).
+    surface
+        Height of the uncut surface (mm).
+    """
+
+    depth: float
+    speed: float
+    surface: float
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A complete problem for any method.
+
+    Attributes
+    ----------
+    title
+        One line for reports.
+    body
+        The deforming body.
+    motions, temperatures, fluxes
+        Boundary conditions by part name; a boundary without any is free and adiabatic.
+    tool
+        Rigid tools, none or one.
+    contact
+        Law of contact between body and tool.
+    particles, time, newton
+        Controls.
+    stabilisation
+        Factor alpha_s of the polynomial pressure projection (paper, eq. 40).
+    cut
+        Reference figures if the problem is a cut, else empty.
+    """
+
+    title: str
+    body: Body
+    motions: tuple[PrescribedMotion, ...]
+    temperatures: tuple[PrescribedTemperature, ...]
+    fluxes: tuple[HeatFlux, ...]
+    tool: tuple[MovingTool, ...]
+    contact: ContactLaw
+    particles: ParticleControls
+    time: TimeControls
+    newton: NewtonControls
+    stabilisation: float
+    cut: tuple[Cut, ...]
