@@ -1,0 +1,1 @@
+"""What a run found: its history, checkpoints, derived figures and summary."""

@@ -95,7 +95,7 @@ def write_checkpoint(path: Path, state: State, resolved_case: str, step: int) ->
 
 
 def read_checkpoint(directory: Path) -> Checkpoint:
-    """The newest valid checkpoint of a directory.
+    """Read the newest valid checkpoint of a directory.
 
     Raises
     ------
@@ -141,7 +141,7 @@ def read_file(path: Path) -> Checkpoint:
 
 
 def changed_keys(stored: str, wanted: str) -> tuple[str, ...]:
-    """What a resume may not change: one text ``key: stored -> wanted`` for each offending key.
+    """List what a resume may not change: one text ``key: stored -> wanted`` for each offending key.
 
     Parameters
     ----------
