@@ -1,0 +1,45 @@
+"""Constrained Delaunay triangulation of particles inside boundary loops.
+
+The robust predicates and the triangulation are those of the library CDT (through ``pythoncdt``).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pythoncdt as cdt
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+class BoundaryCrossing(Exception):
+    """Two boundary edges cross or touch: the body overlaps itself."""
+
+
+def constrained_delaunay(points: Array, edges: IntArray) -> IntArray:
+    """Triangulate ``points`` (n, 2) so that ``edges`` (b, 2) are preserved exactly; keep triangles inside.
+
+    Returns
+    -------
+    cells
+        Counter-clockwise triangles inside the closed loops formed by ``edges``; shape (m, 3). Particles
+        outside the loops appear in none.
+
+    Raises
+    ------
+    BoundaryCrossing
+        If edges cross, or a point is not finite or coincides with another.
+    """
+    if not np.all(np.isfinite(points)):
+        raise BoundaryCrossing("particle positions are not finite")
+    triangulation = cdt.Triangulation(
+        cdt.VertexInsertionOrder.AUTO, cdt.IntersectingConstraintEdges.NOT_ALLOWED, 0.0
+    )
+    try:
+        triangulation.insert_vertices(np.ascontiguousarray(points, dtype=np.float64))
+        triangulation.insert_edges(np.ascontiguousarray(edges, dtype=np.uint32))
+    except RuntimeError as error:
+        raise BoundaryCrossing(str(error)) from error
+    triangulation.erase_outer_triangles_and_holes()
+    return triangulation.triangles_array()["vertices"].astype(np.int64)

@@ -1,0 +1,91 @@
+"""The assembled heat equation of one step behind plain arrays."""
+
+from __future__ import annotations
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from pfemcut.fem import runtime
+from pfemcut.fem.distribution import CellSpace, DistributedMesh, NodalSpace
+from pfemcut.pfem.heat import HeatSymbols, heat_forms
+
+Array = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+_TOLERANCE = 1e-11
+
+
+class HeatKernels:
+    """The form and elements of the heat equation, compiled once a run."""
+
+    def __init__(self, comm: MPI.Comm):
+        self.domain = runtime.coordinate_domain()
+        self.symbols = HeatSymbols.on(self.domain)
+        self.form = runtime.CompiledForm(comm, heat_forms(self.domain, self.symbols))
+        self.scalar = runtime.CompiledElement(comm, runtime.nodal_element(1))
+        self.element = runtime.CompiledElement(comm, runtime.cell_element(2))
+
+
+def solve_temperature_increment(
+    kernels: HeatKernels,
+    mesh: DistributedMesh,
+    temperature: Array,
+    capacity: Array,
+    lumped_capacity: Array,
+    conductivity: Array,
+    heat: Array,
+    fixed: BoolArray,
+    fixed_increment: Array,
+) -> Array:
+    """Temperature increment of one backward-Euler step.
+
+    Parameters
+    ----------
+    mesh
+        The updated configuration x_{n+1}.
+    temperature
+        Temperature at the start of the step (K); shape (n,).
+    capacity
+        Heat capacity per current volume over the step, rho_0 c / (J dt); shape (m,).
+    lumped_capacity
+        The same, integrated and lumped to particles; shape (n,).
+    conductivity
+        Conductivity (N/(s K)); shape (m,).
+    heat
+        Heating power on particles per mm of width (mW/mm); shape (n,).
+    fixed, fixed_increment
+        Particles with prescribed temperature, and their increment; shape (n,).
+
+    Returns
+    -------
+    increment
+        Shape (n,).
+    """
+    space = NodalSpace(mesh, kernels.scalar, 1)
+    cells = CellSpace(mesh, kernels.element)
+    element = cells.function(np.column_stack([capacity, conductivity]))
+    form = kernels.form.bind(mesh.cpp, [space.cpp, space.cpp], {kernels.symbols.element: element}, {})
+    matrix = runtime.new_matrix(form)
+    runtime.assemble_matrix(matrix, form)
+    matrix.assemble()
+    # In increments, so that the solver's tolerance is one of the change and not of some 300 K.
+    right, solution = matrix.createVecs()
+    owned = space.particles[: space.owned]
+    solution.array[:] = temperature[owned]
+    matrix.mult(solution, right)
+    right.array[:] = (heat + lumped_capacity * temperature)[owned] - right.array_r
+    rows = np.flatnonzero(fixed[owned]).astype(np.int32)
+    solution.array[:] = fixed_increment[owned]
+    matrix.zeroRowsColumnsLocal(rows, 1.0, solution, right)
+    solver = PETSc.KSP().create(matrix.getComm())
+    solver.setType(PETSc.KSP.Type.CG)
+    solver.getPC().setType(PETSc.PC.Type.JACOBI)
+    solver.setTolerances(rtol=_TOLERANCE, max_it=2000)
+    solver.setOperators(matrix)
+    solver.solve(right, solution)
+    increment = space.gather(solution.array_r, len(temperature))[:, 0]
+    for owned_object in (solver, right, solution, matrix):
+        owned_object.destroy()
+    return increment

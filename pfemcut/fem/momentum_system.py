@@ -1,0 +1,178 @@
+"""The assembled momentum equation of one step: residual, tangent and linear solve behind plain arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from types import TracebackType
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from pfemcut.fem import runtime
+from pfemcut.fem.direct_solver import DirectSolver
+from pfemcut.fem.distribution import CellSpace, DistributedMesh, NodalSpace
+from pfemcut.pfem.momentum import ELEMENT_COMPONENTS, MomentumSymbols, momentum_forms
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+
+class MomentumKernels:
+    """The forms and elements of the momentum equation, compiled once a run."""
+
+    def __init__(self, comm: MPI.Comm):
+        self.comm = comm
+        self.domain = runtime.coordinate_domain()
+        self.symbols = MomentumSymbols.on(self.domain)
+        residual, jacobian = momentum_forms(self.domain, self.symbols)
+        self.residual = runtime.CompiledForm(comm, residual)
+        self.jacobian = runtime.CompiledForm(comm, jacobian)
+        self.mixed = runtime.CompiledElement(comm, runtime.nodal_element(3))
+        self.scalar = runtime.CompiledElement(comm, runtime.nodal_element(1))
+        self.element = runtime.CompiledElement(comm, runtime.cell_element(ELEMENT_COMPONENTS))
+
+
+@dataclass(frozen=True)
+class NodalForces:
+    """Forces on particles outside the weak form (contact, inertia) and their derivative.
+
+    Attributes
+    ----------
+    particles
+        Where they act; shape (k,).
+    forces
+        Force on the body per mm of width (N/mm); shape (k, 2).
+    stiffness
+        Minus the derivative of the force by the displacement; shape (k, 2, 2).
+    """
+
+    particles: IntArray
+    forces: Array
+    stiffness: Array
+
+
+class MomentumSystem:
+    """Residual and linear solves on one mesh; use as a context manager, it owns PETSc objects.
+
+    Parameters
+    ----------
+    kernels
+        Compiled forms.
+    mesh
+        The configuration x_n.
+    count
+        Number of particles.
+    fixed
+        Unknowns (u_x, u_y, p) with prescribed increments; shape (n, 3).
+    moduli
+        Shear modulus, bulk modulus (MPa) and stabilisation factor.
+    thermal_strain
+        3 alpha (theta - theta_0) on particles; shape (n,).
+    """
+
+    def __init__(
+        self,
+        kernels: MomentumKernels,
+        mesh: DistributedMesh,
+        fixed: BoolArray,
+        moduli: tuple[float, float, float],
+        thermal_strain: Array,
+    ):
+        symbols = kernels.symbols
+        self._count = len(fixed)
+        self._mixed = NodalSpace(mesh, kernels.mixed, 3)
+        self._cells = CellSpace(mesh, kernels.element)
+        scalar = NodalSpace(mesh, kernels.scalar, 1)
+        self._unknown = runtime.new_function(self._mixed.cpp)
+        self._element = runtime.new_function(self._cells.cpp)
+        functions = {
+            symbols.unknown: self._unknown,
+            symbols.element: self._element,
+            symbols.thermal_strain: scalar.function(thermal_strain),
+        }
+        constants = {
+            symbol: runtime.new_constant(value)
+            for symbol, value in zip(
+                (symbols.shear_modulus, symbols.bulk_modulus, symbols.stabilisation), moduli, strict=True
+            )
+        }
+        space = self._mixed.cpp
+        self._residual = kernels.residual.bind(mesh.cpp, [space], functions, constants)
+        self._jacobian = kernels.jacobian.bind(mesh.cpp, [space, space], functions, constants)
+        self._fixed_rows = np.flatnonzero(fixed[self._mixed.particles].ravel()).astype(np.int32)
+        self._matrix = runtime.new_matrix(self._jacobian)
+        self._matrix.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
+        self._right, self._solution = self._matrix.createVecs()
+        self._solver = DirectSolver(self._matrix)
+
+    def __enter__(self) -> MomentumSystem:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        value: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self._solver.destroy()
+        for owned in (self._right, self._solution, self._matrix):
+            owned.destroy()
+
+    def internal_residual(self, unknown: Array, element: Array) -> Array:
+        """The form's residual at ``unknown`` (n, 3) with ``element`` data (m, components); shape (n, 3)."""
+        self._mixed.load(self._unknown, unknown)
+        self._cells.load(self._element, element)
+        local = np.zeros(3 * len(self._mixed.particles))
+        runtime.assemble_vector(local, self._residual)
+        return self._accumulate(local)
+
+    def solve(self, residual: Array, nodal: NodalForces) -> tuple[Array, bool]:
+        """Newton correction -K^-1 ``residual`` (n, 3) at the point of the last residual; fixed unknowns get none.
+
+        Returns
+        -------
+        correction
+            Shape (n, 3).
+        solved
+            Whether the factorisation succeeded.
+        """
+        matrix = self._matrix
+        matrix.zeroEntries()
+        runtime.assemble_matrix(matrix, self._jacobian)
+        self._add_nodal_stiffness(nodal)
+        matrix.assemble()
+        owned_rows = self._fixed_rows[self._fixed_rows < 3 * self._mixed.owned]
+        matrix.zeroRowsColumnsLocal(owned_rows, 1.0)
+        owned = self._mixed.particles[: self._mixed.owned]
+        right = -residual[owned].ravel()
+        right[owned_rows] = 0.0
+        self._right.array[:] = right
+        solved = self._solver.solve(self._right, self._solution)
+        return self._mixed.gather(self._solution.array_r, self._count), solved
+
+    def _add_nodal_stiffness(self, nodal: NodalForces) -> None:
+        mine, nodes = self._mixed.local_nodes(nodal.particles, self._count)
+        if len(mine) == 0:
+            return
+        rows = (3 * nodes[:, None] + np.arange(2)).astype(np.int32)
+        columns = np.repeat(rows, 2, axis=0)
+        starts = np.arange(0, 2 * rows.size + 1, 2, dtype=np.int32)
+        self._matrix.setValuesLocalIJV(
+            starts,
+            columns.ravel(),
+            nodal.stiffness[mine].ravel(),
+            addv=PETSc.InsertMode.ADD_VALUES,
+            rowmap=rows.ravel(),
+        )
+
+    def _accumulate(self, local: Array) -> Array:
+        """Sum of all ranks' local contributions, ghosts included, on every rank; shape (n, 3)."""
+        total = np.zeros((self._count, 3))
+        total[self._mixed.particles] = local.reshape(-1, 3)
+        comm = self._matrix.getComm().tompi4py()
+        if comm.size > 1:
+            comm.Allreduce(MPI.IN_PLACE, total, op=MPI.SUM)
+        return total

@@ -1,0 +1,175 @@
+"""Finite-strain J2 plasticity at Gauss points: trial state, radial return, extrapolation (paper, Boxes 2 and 3).
+
+A Gauss point carries the isochoric elastic left Cauchy-Green tensor b (components xx, yy, zz, xy; det b = 1), the
+equivalent plastic strain and the plastic multiplier rate. All arrays have one row a Gauss point.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pfemcut.materials.material import HardeningLaw
+
+Array = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+_ROOT_2_3 = np.sqrt(2.0 / 3.0)
+_CLAMP = 0.9  # the extrapolated return takes at most this part of the trial stress
+_TINY = 1e-10  # MPa, as in the weak form
+
+
+@dataclass(frozen=True)
+class Trial:
+    """Elastic trial state for a relative deformation gradient.
+
+    Attributes
+    ----------
+    jacobian
+        j = det f; shape (m,).
+    deviator
+        Trial Kirchhoff stress deviator (MPa), components xx, yy, zz, xy; shape (m, 4).
+    norm
+        Its Frobenius norm; shape (m,).
+    mu_bar
+        mu tr(b_trial) / 3 (MPa); shape (m,).
+    """
+
+    jacobian: Array
+    deviator: Array
+    norm: Array
+    mu_bar: Array
+
+
+@dataclass(frozen=True)
+class Multiplier:
+    """Plastic multiplier as the momentum solve sees it, linear in the trial norm and mu_bar.
+
+    Attributes
+    ----------
+    value
+        Delta lambda; shape (m,).
+    by_norm, by_mu_bar
+        Derivatives by the trial norm and by mu_bar (1/MPa); shape (m,).
+    """
+
+    value: Array
+    by_norm: Array
+    by_mu_bar: Array
+
+
+def elastic_trial(b_elastic: Array, gradient: Array, shear_modulus: float) -> Trial:
+    """Trial state b_trial = j^(-2/3) f b f^T of ``b_elastic`` (m, 4) for f = ``gradient`` (m, 2, 2)."""
+    fxx, fxy, fyx, fyy = gradient[:, 0, 0], gradient[:, 0, 1], gradient[:, 1, 0], gradient[:, 1, 1]
+    jacobian = fxx * fyy - fxy * fyx
+    scale = shear_modulus * np.maximum(jacobian, 1e-6) ** (-2.0 / 3.0)
+    bxx, byy, bzz, bxy = b_elastic.T
+    gxx, gxy = fxx * bxx + fxy * bxy, fxx * bxy + fxy * byy
+    gyx, gyy = fyx * bxx + fyy * bxy, fyx * bxy + fyy * byy
+    xx = scale * (gxx * fxx + gxy * fxy)
+    yy = scale * (gyx * fyx + gyy * fyy)
+    xy = scale * (gxx * fyx + gxy * fyy)
+    zz = scale * bzz
+    mu_bar = (xx + yy + zz) / 3.0
+    deviator = np.column_stack([xx - mu_bar, yy - mu_bar, zz - mu_bar, xy])
+    return Trial(jacobian, deviator, np.maximum(tensor_norm(deviator), _TINY), mu_bar)
+
+
+def tensor_norm(tensor: Array) -> Array:
+    """Frobenius norm of symmetric tensors with components xx, yy, zz, xy; shape (m, 4) to (m,)."""
+    return np.sqrt(np.sum(tensor[:, :3] ** 2, axis=1) + 2.0 * tensor[:, 3] ** 2)
+
+
+def implicit_multiplier(
+    trial: Trial, law: HardeningLaw, eqps: Array, temperature: Array, step: float
+) -> Multiplier:
+    """Backward-Euler plastic multiplier and its derivatives.
+
+    Solves |s_trial| - 2 mu_bar dl = sqrt(2/3) sigma_y(eqps + sqrt(2/3) dl, sqrt(2/3) dl / dt, theta) where the
+    trial state is beyond yield, by Newton's method kept inside a shrinking bracket: the left side falls and the
+    right side, apart from thermal softening at fixed temperature, does not.
+
+    Parameters
+    ----------
+    trial
+        Trial state of m points.
+    law
+        Hardening law.
+    eqps, temperature
+        Equivalent plastic strain at the start of the step, and temperature (K); shape (m,).
+    step
+        Time step (s).
+    """
+    zero = np.zeros_like(eqps)
+    value, by_norm, by_mu_bar = zero.copy(), zero.copy(), zero.copy()
+    yield_stress = law.flow_stress(eqps, zero, temperature).value
+    plastic = np.flatnonzero(trial.norm > _ROOT_2_3 * yield_stress)
+    if len(plastic):
+        norm, mu_bar = trial.norm[plastic], trial.mu_bar[plastic]
+        e, theta = eqps[plastic], temperature[plastic]
+        low, high = np.zeros_like(norm), norm / (2.0 * mu_bar)
+        multiplier = (norm - _ROOT_2_3 * yield_stress[plastic]) / (2.0 * mu_bar)
+        slope = 2.0 * mu_bar
+        for _ in range(60):
+            strain = _ROOT_2_3 * multiplier
+            flow = law.flow_stress(e + strain, strain / step, theta)
+            excess = norm - 2.0 * mu_bar * multiplier - _ROOT_2_3 * flow.value
+            slope = 2.0 * mu_bar + (flow.by_eqps + flow.by_rate / step) * 2.0 / 3.0
+            low = np.where(excess > 0.0, multiplier, low)
+            high = np.where(excess > 0.0, high, multiplier)
+            newton = multiplier + excess / slope
+            inside = (newton > low) & (newton < high)
+            multiplier = np.where(inside, newton, 0.5 * (low + high))
+            if np.max(np.abs(excess) / norm) < 1e-12:
+                break
+        value[plastic] = multiplier
+        by_norm[plastic] = 1.0 / slope
+        by_mu_bar[plastic] = -2.0 * multiplier / slope
+    return Multiplier(value, by_norm, by_mu_bar)
+
+
+def extrapolated_multiplier(trial: Trial, multiplier_rate: Array, step: float) -> Multiplier:
+    """IMPL-EX multiplier: the last rate times the step (paper, eq. 13), clamped with its derivatives.
+
+    Where 2 mu_bar dl would exceed 0.9 |s_trial| it is held there, so that the radial factor stays at 0.1 or more.
+    """
+    value = multiplier_rate * step
+    limit = _CLAMP * trial.norm / (2.0 * trial.mu_bar)
+    clamped = value > limit
+    return Multiplier(
+        np.where(clamped, limit, value),
+        np.where(clamped, limit / trial.norm, 0.0),
+        np.where(clamped, -limit / trial.mu_bar, 0.0),
+    )
+
+
+def returned_deviator(trial: Trial, multiplier: Array) -> Array:
+    """Kirchhoff stress deviator s = s_trial (1 - 2 mu_bar dl / |s_trial|); shape (m, 4)."""
+    return trial.deviator * (1.0 - 2.0 * trial.mu_bar * multiplier / trial.norm)[:, None]
+
+
+def elastic_strain(deviator: Array, shear_modulus: float) -> Array:
+    """Elastic tensor b with deviator ``deviator`` / mu and det b = 1; shape (m, 4).
+
+    The flow rule keeps tr b instead; its determinant drifts. With the mean m of b the determinant is
+    m³ - m |d|²/2 + det d, d = dev b, which Newton's method solves for 1.
+    """
+    d = deviator / shear_modulus
+    half_square = 0.5 * tensor_norm(d) ** 2
+    determinant = d[:, 2] * (d[:, 0] * d[:, 1] - d[:, 3] ** 2)
+    mean = 1.0 + half_square / 3.0
+    for _ in range(50):
+        change = (mean**3 - mean * half_square + determinant - 1.0) / (3.0 * mean**2 - half_square)
+        mean = mean - change
+        if np.max(np.abs(change), initial=0.0) < 1e-15:
+            break
+    b = d.copy()
+    b[:, :3] += mean[:, None]
+    return b
+
+
+def deviatoric_energy(b_elastic: Array, shear_modulus: float) -> Array:
+    """W = mu/2 (tr b - 3) per referential volume (MPa); shape (m,)."""
+    return 0.5 * shear_modulus * (b_elastic[:, :3].sum(axis=1) - 3.0)

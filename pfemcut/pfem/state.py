@@ -1,0 +1,218 @@
+"""Everything the PFEM carries from step to step; each field is declared once.
+
+The declaration of a field (where it lives, unit, transfer rule) is read by the transfer and by the checkpoint.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshing.mesh import Boundary, Mesh
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+class Where(Enum):
+    """What a field has one row of."""
+
+    PARTICLE = "particle"
+    ELEMENT = "element"
+
+
+class Transfer(Enum):
+    """How a field passes to a new mesh.
+
+    INTERPOLATE: stays on particles, inserted ones interpolate in the old mesh. INHERIT: an element takes the value
+    of the old element that contains its Gauss point.
+    """
+
+    INTERPOLATE = "interpolate"
+    INHERIT = "inherit"
+
+
+@dataclass(frozen=True)
+class Declaration:
+    """Declaration of a state field."""
+
+    name: str
+    where: Where
+    unit: str
+    transfer: Transfer
+
+
+def _stored(where: Where, unit: str) -> Any:
+    transfer = Transfer.INTERPOLATE if where is Where.PARTICLE else Transfer.INHERIT
+    return field(metadata={"where": where, "unit": unit, "transfer": transfer})
+
+
+@dataclass(frozen=True)
+class Fields:
+    """Fields on particles (n rows) and elements (m rows).
+
+    Attributes
+    ----------
+    temperature
+        K; (n,).
+    momentum_temperature
+        Temperature that the last momentum solve saw, to which ``pressure`` belongs (K); (n,).
+    pressure
+        Cauchy pressure, tension positive (MPa); (n,).
+    last_displacement
+        Displacement over the last step (mm), the predictor of the next; (n, 2).
+    b_elastic
+        Isochoric elastic left Cauchy-Green tensor, xx, yy, zz, xy; (m, 4).
+    eqps
+        Equivalent plastic strain; (m,).
+    multiplier_rate
+        Rate of the plastic multiplier in the last step (1/s); (m,).
+    plastic_power
+        Plastic power per current volume in the last step (mW/mm³); (m,).
+    """
+
+    temperature: Array = _stored(Where.PARTICLE, "K")
+    momentum_temperature: Array = _stored(Where.PARTICLE, "K")
+    pressure: Array = _stored(Where.PARTICLE, "MPa")
+    last_displacement: Array = _stored(Where.PARTICLE, "mm")
+    b_elastic: Array = _stored(Where.ELEMENT, "1")
+    eqps: Array = _stored(Where.ELEMENT, "1")
+    multiplier_rate: Array = _stored(Where.ELEMENT, "1/s")
+    plastic_power: Array = _stored(Where.ELEMENT, "mW/mm3")
+
+
+def declarations() -> Iterator[Declaration]:
+    """Declarations of all fields, in order."""
+    for each in dataclasses.fields(Fields):
+        yield Declaration(each.name, each.metadata["where"], each.metadata["unit"], each.metadata["transfer"])
+
+
+def initial_fields(mesh: Mesh, temperature: float) -> Fields:
+    """Stress-free fields at a uniform temperature (K)."""
+    n, m = len(mesh.points), len(mesh.cells)
+    return Fields(
+        temperature=np.full(n, temperature),
+        momentum_temperature=np.full(n, temperature),
+        pressure=np.zeros(n),
+        last_displacement=np.zeros((n, 2)),
+        b_elastic=np.tile([1.0, 1.0, 1.0, 0.0], (m, 1)),
+        eqps=np.zeros(m),
+        multiplier_rate=np.zeros(m),
+        plastic_power=np.zeros(m),
+    )
+
+
+@dataclass(frozen=True)
+class Clock:
+    """Time stepping state.
+
+    Attributes
+    ----------
+    step, time
+        Steps done and time reached (s).
+    last_dt
+        Length of the last step (s).
+    next_dt
+        Length wished for the next (s).
+    """
+
+    step: int
+    time: float
+    last_dt: float
+    next_dt: float
+
+
+@dataclass(frozen=True)
+class Ledger:
+    """Cumulative energies (mJ/mm), areas (mm²) and counts since the start of the run.
+
+    Work and sinks are defined in the documentation's page on the energy ledger; ``thermoelastic``,
+    ``contact`` and ``remeshing`` can have either sign. Heat: ``heat_generated`` is chi times plastic work plus the
+    body's part of friction, ``heat_supplied`` came through boundaries, ``heat_remeshing`` is the content after minus
+    before each transfer.
+    """
+
+    tool_work: float = 0.0
+    plastic: float = 0.0
+    friction: float = 0.0
+    thermoelastic: float = 0.0
+    remeshing: float = 0.0
+    contact: float = 0.0
+    boundary_work: float = 0.0
+    heat_generated: float = 0.0
+    heat_supplied: float = 0.0
+    heat_remeshing: float = 0.0
+    area_drift: float = 0.0
+    inserted: int = 0
+    removed: int = 0
+    outside: int = 0
+    step_cuts: int = 0
+
+    def plus(self, **amounts: float) -> Ledger:
+        """The ledger with ``amounts`` added."""
+        return dataclasses.replace(self, **{name: getattr(self, name) + x for name, x in amounts.items()})
+
+
+@dataclass(frozen=True)
+class State:
+    """Mesh, fields, clock and ledger: what a checkpoint holds.
+
+    ``initial_mass`` and ``initial_energy`` (stored elastic energy) are those of the start (tonne/mm, mJ/mm).
+    """
+
+    mesh: Mesh
+    fields: Fields
+    clock: Clock
+    ledger: Ledger
+    initial_mass: float
+
+
+def to_arrays(state: State) -> dict[str, NDArray[np.generic]]:
+    """Flat named arrays of the whole state, for a checkpoint."""
+    mesh = state.mesh
+    arrays: dict[str, NDArray[np.generic]] = {
+        "mesh/points": mesh.points,
+        "mesh/cells": mesh.cells,
+        "mesh/ids": mesh.ids,
+        "mesh/next_id": np.asarray(mesh.next_id),
+        "mesh/boundary/particles": mesh.boundary.particles,
+        "mesh/boundary/parts": mesh.boundary.parts,
+        "mesh/boundary/starts": mesh.boundary.starts,
+        "initial_mass": np.asarray(state.initial_mass),
+    }
+    for group, data in (("fields", state.fields), ("clock", state.clock), ("ledger", state.ledger)):
+        for each in dataclasses.fields(data):
+            arrays[f"{group}/{each.name}"] = np.asarray(getattr(data, each.name))
+    return arrays
+
+
+def from_arrays(arrays: Mapping[str, NDArray[np.generic]]) -> State:
+    """The state that :func:`to_arrays` flattened."""
+
+    def group(kind: type, name: str, scalar: bool) -> Any:
+        values = {each.name: arrays[f"{name}/{each.name}"] for each in dataclasses.fields(kind)}
+        return kind(**{key: value.item() if scalar else value for key, value in values.items()})
+
+    boundary = Boundary(
+        *(np.asarray(arrays[f"mesh/boundary/{name}"]) for name in ("particles", "parts", "starts"))
+    )
+    mesh = Mesh(
+        np.asarray(arrays["mesh/points"]),
+        np.asarray(arrays["mesh/cells"]),
+        boundary,
+        np.asarray(arrays["mesh/ids"]),
+        int(arrays["mesh/next_id"]),
+    )
+    return State(
+        mesh,
+        group(Fields, "fields", scalar=False),
+        group(Clock, "clock", scalar=True),
+        group(Ledger, "ledger", scalar=True),
+        float(arrays["initial_mass"]),
+    )

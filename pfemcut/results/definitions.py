@@ -1,0 +1,148 @@
+"""The figures of ``summary.json``: label, unit and definition of each, in the order of the report."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+
+class Taken(Enum):
+    """How a figure comes from its history column."""
+
+    WINDOW = "mean and standard deviation over the steady window"
+    LAST = "last row"
+
+
+@dataclass(frozen=True)
+class Definition:
+    """One figure.
+
+    Attributes
+    ----------
+    name
+        Key in ``summary.json`` and, unless the summary computes it, column of ``history.csv``.
+    label
+        What the report calls it.
+    unit
+        Unit; ``-`` for a pure number.
+    meaning
+        Definition in one sentence.
+    taken
+        How it comes from the history.
+    """
+
+    name: str
+    label: str
+    unit: str
+    meaning: str
+    taken: Taken = Taken.WINDOW
+
+
+FIGURES = (
+    Definition("cutting_force", "Cutting force", "N/mm", "Force on the tool against its motion, per width."),
+    Definition(
+        "thrust_force",
+        "Thrust (feed) force",
+        "N/mm",
+        "Force that pushes the tool out of the workpiece, per width.",
+    ),
+    Definition("specific_energy", "Specific cutting energy", "N/mm²", "Cutting force over depth of cut."),
+    Definition(
+        "apparent_friction",
+        "Apparent friction",
+        "-",
+        "Tangential over normal force on the rake face, from the two forces, so tip and flank are in it.",
+    ),
+    Definition(
+        "chip_thickness",
+        "Chip thickness",
+        "mm",
+        "Mean distance between the two chip surfaces, normal to the chip's rake side, "
+        "from 1 to 2 depths of cut beyond the end of contact.",
+    ),
+    Definition(
+        "contact_length",
+        "Contact length",
+        "mm",
+        "Along the tool from the tip circle's tangent point on the rake face to the last loaded particle.",
+    ),
+    Definition(
+        "tip_arc_contact",
+        "Loaded arc of the tip",
+        "mm",
+        "Along the tip circle from the rake tangent point to its last loaded particle.",
+    ),
+    Definition(
+        "shear_angle",
+        "Shear angle (chip ratio)",
+        "degree",
+        "atan(r cos γ / (1 − r sin γ)) with r = depth of cut / chip thickness and γ the rake angle.",
+    ),
+    Definition(
+        "shear_angle_band",
+        "Shear angle (strain-rate band)",
+        "degree",
+        "Line fitted to the ridge of the plastic strain rate between 0.3 and 0.9 depths above the tip.",
+    ),
+    Definition(
+        "chip_curvature",
+        "Chip curvature",
+        "1/mm",
+        "Of the circle through the chip's rake side from 1 to 6 depths beyond the end of contact; "
+        "positive away from the rake.",
+    ),
+    Definition(
+        "stagnation_height",
+        "Stagnation height",
+        "mm",
+        "Above the tip's lowest point, where the sliding of the particles in contact changes sign.",
+    ),
+    Definition("max_temperature", "Maximum temperature", "K", "Of all particles of the workpiece."),
+    Definition(
+        "contact_end_temperature",
+        "Temperature where contact ends",
+        "K",
+        "Of the last loaded particle on the rake face.",
+    ),
+    Definition(
+        "hottest_along_rake",
+        "Hottest point, up the rake face",
+        "mm",
+        "Distance of the hottest particle from the rake tangent point, along the rake face.",
+    ),
+    Definition(
+        "hottest_from_rake",
+        "Hottest point, off the rake face",
+        "mm",
+        "Distance of the hottest particle from the rake face.",
+    ),
+    Definition("peak_strain_rate", "Peak plastic strain rate", "1/s", "Largest of all elements."),
+    Definition("max_eqps", "Maximum equivalent plastic strain", "-", "Largest of all elements."),
+    Definition(
+        "energy_error",
+        "Energy ledger error",
+        "-",
+        "(tool work − sum of all sinks) / tool work, at the end.",
+        Taken.LAST,
+    ),
+    Definition(
+        "heat_error",
+        "Heat ledger error",
+        "-",
+        "(heat content − sources + losses) / sources, at the end.",
+        Taken.LAST,
+    ),
+    Definition(
+        "area_drift",
+        "Area drift",
+        "-",
+        "Sum over remeshes of (area after − before) over depth × travel.",
+        Taken.LAST,
+    ),
+    Definition("mass_drift", "Mass drift", "-", "Relative change of the integral of density.", Taken.LAST),
+)
+
+
+def definition_of(name: str) -> Definition:
+    """Return the definition of a figure."""
+    return next(item for item in FIGURES if item.name == name)
