@@ -71,7 +71,7 @@ def explained(error: ValidationError, model: type[BaseModel], section: str = "")
 
 
 def _lines(item: dict[str, Any], model: type[BaseModel], section: str) -> list[str]:
-    path, models, description = _resolve(item["loc"], model, item["type"] == "extra_forbidden")
+    path, models, is_table, description = _resolve(item["loc"], model, item["type"] == "extra_forbidden")
     kind, context = item["type"], item.get("ctx", {})
     label = _label(section, path)
     if kind == "extra_forbidden":
@@ -80,9 +80,10 @@ def _lines(item: dict[str, Any], model: type[BaseModel], section: str) -> list[s
     if kind == "value_error":
         # Raised by our own validators, which word the whole problem; several are one a line.
         messages = str(context["error"]).splitlines()
-        return [
-            _label(section, [*path, message]) if path else _prefixed(section, message) for message in messages
-        ]
+        if path and not is_table:
+            return [f"{label}: {message}" for message in messages]
+        place = ".".join(key for key in (section, *map(str, path)) if key)
+        return [f"[{place}] {message}" if place else message for message in messages]
     note = f": {description}" if description else ""
     if kind in ("missing", "union_tag_not_found"):
         return [f"{label}: missing and has no default{note}"]
@@ -109,8 +110,8 @@ def _lines(item: dict[str, Any], model: type[BaseModel], section: str) -> list[s
 
 def _resolve(
     loc: Sequence[int | str], model: type[BaseModel], unknown_key: bool
-) -> tuple[list[int | str], list[type[BaseModel]], str]:
-    """Key path without the tags that pydantic adds for unions, the models of its last table, its description."""
+) -> tuple[list[int | str], list[type[BaseModel]], bool, str]:
+    """Key path without pydantic's tags of unions, models of the table around it, if it is a table, description."""
     path: list[int | str] = []
     holders: list[type[BaseModel]] = [model]
     inside: list[type[BaseModel]] = [model]
@@ -130,7 +131,7 @@ def _resolve(
         elif last and unknown_key:
             path.append(part)
             holders, description = inside, ""
-    return path, holders, description
+    return path, holders, bool(inside), description
 
 
 def _models_in(*annotations: Any) -> list[type[BaseModel]]:
@@ -157,11 +158,7 @@ def _label(section: str, path: Sequence[int | str]) -> str:
             keys[-1] += f"[{part}]"
         else:
             keys.append(part)
-    return keys[0] if len(keys) == 1 else f"[{'.'.join(keys[:-1])}] {keys[-1]}"
-
-
-def _prefixed(section: str, message: str) -> str:
-    return f"[{section}] {message}" if section else message
+    return f"[{'.'.join(keys[:-1])}] {keys[-1]}" if len(keys) > 1 else "".join(keys)
 
 
 def _shown(value: Any) -> str:

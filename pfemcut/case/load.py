@@ -1,0 +1,125 @@
+"""From a case file and command-line overrides to a validated case and its material, and back to a file."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+from pydantic import ValidationError
+
+from pfemcut.case.schema import Case
+from pfemcut.inputs import InputError, explained, read_toml
+from pfemcut.materials.load import load_material, material_table
+from pfemcut.materials.material import Material
+
+
+class CaseError(InputError):
+    """A case that can't be run as given; one line a problem."""
+
+
+def load_case(path: Path | str, overrides: Sequence[str] = ()) -> tuple[Case, Material]:
+    """Read, override and validate a case file and the material it names.
+
+    Parameters
+    ----------
+    path
+        The case file.
+    overrides
+        ``section.key=value`` each; the value is read as TOML, or as text if it is not TOML.
+
+    Raises
+    ------
+    CaseError
+        With one line for each problem found.
+    """
+    path = Path(path)
+    try:
+        table = read_toml(path)
+        for override in overrides:
+            table = overridden(table, override)
+        return validated(table, path.parent)
+    except CaseError:
+        raise
+    except InputError as error:
+        raise CaseError(error.problems) from None
+
+
+def validated(table: Mapping[str, Any], base_directory: Path) -> tuple[Case, Material]:
+    """The case and the material of an already parsed case file in ``base_directory``.
+
+    Raises
+    ------
+    CaseError
+        With one line for each problem found.
+    """
+    problems: list[str] = []
+    try:
+        case = Case.model_validate(table)
+    except ValidationError as error:
+        problems += explained(error, Case)
+    # The material is looked at even when the rest is wrong, so that one try shows all problems.
+    try:
+        workpiece = table.get("workpiece")
+        spec = workpiece.get("material") if isinstance(workpiece, Mapping) else None
+        if isinstance(spec, str | Mapping):
+            material = load_material(spec, base_directory)
+    except InputError as error:
+        problems += error.problems
+    if problems:
+        raise CaseError(problems)
+    return case, material
+
+
+def overridden(table: Mapping[str, Any], override: str) -> dict[str, Any]:
+    """A copy of ``table`` with one ``section.key=value`` applied.
+
+    A key inside a material that is given by name turns the name into the ``base`` of a table.
+
+    Raises
+    ------
+    CaseError
+        If the override has no key or value, or leads through something that is not a table.
+    """
+    target, equals, text = override.partition("=")
+    keys = [key.strip() for key in target.split(".")]
+    if not equals or not all(keys):
+        raise CaseError([f"--set: given '{override}', must be section.key=value"])
+
+    def replaced(inside: Any, depth: int) -> Any:
+        if depth == len(keys):
+            return _value(text)
+        if isinstance(inside, str) and keys[:depth] == ["workpiece", "material"]:
+            inside = {"base": inside}
+        if not isinstance(inside, Mapping):
+            raise CaseError([f"--set: given '{override}', but '{'.'.join(keys[:depth])}' is not a table"])
+        return {**inside, keys[depth]: replaced(inside.get(keys[depth], {}), depth + 1)}
+
+    return replaced(table, 0)
+
+
+def _value(text: str) -> Any:
+    try:
+        document = tomllib.loads(f"value = {text}")
+    except tomllib.TOMLDecodeError:
+        return text
+    # Anything beyond one value (a line break smuggled in) is no value.
+    return document["value"] if list(document) == ["value"] else text
+
+
+def resolved_toml(case: Case, material: Material) -> str:
+    """Case file with every default written out and the material inlined: it alone reproduces the run."""
+    table = case.model_dump()
+    table["workpiece"]["temperature"] = initial_temperature(case, material)
+    # Last, so that its sub-table does not swallow the keys behind it.
+    del table["workpiece"]["material"]
+    table["workpiece"]["material"] = material_table(material)
+    return tomli_w.dumps(table)
+
+
+def initial_temperature(case: Case, material: Material) -> float:
+    """Temperature (K) of the workpiece at time zero."""
+    given = case.workpiece.temperature
+    return material.reference_temperature if given is None else given
