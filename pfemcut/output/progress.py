@@ -1,0 +1,200 @@
+"""What a waiting user sees: travel, time to go, forces and highest temperature.
+
+On a terminal a live line; elsewhere (a log file, a batch queue) a plain line every few seconds.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from types import TracebackType
+from typing import Protocol, TextIO
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
+
+from pfemcut.method import Measures
+
+PLAIN_INTERVAL = 5.0
+
+
+class ProgressDisplay(Protocol):
+    """Shows the state of a run; a context manager around it."""
+
+    def show(self, measures: Measures) -> None:
+        """Show the state after a step."""
+
+    def __enter__(self) -> ProgressDisplay: ...
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None: ...
+
+
+def progress_display(end: float, stream: TextIO | None = None, *, visible: bool = True) -> ProgressDisplay:
+    """Return the display that suits ``stream`` (standard output if None).
+
+    Parameters
+    ----------
+    end
+        Final time of the run (s).
+    stream
+        Where to show it.
+    visible
+        False for the silent display of all ranks but the first.
+    """
+    if not visible:
+        return Silent()
+    stream = stream or sys.stdout
+    return Live(end, stream) if stream.isatty() else PlainLines(end, stream)
+
+
+def state_line(measures: Measures) -> str:
+    """Return the state of a run in one line."""
+    return (
+        f"travel {measures.travel:.4f} mm  Fc {measures.cutting_force:.1f}  Ft {measures.thrust_force:.1f} N/mm  "
+        f"Tmax {measures.max_temperature:.0f} K  {measures.nodes} particles  step {measures.step}"
+    )
+
+
+def remaining(begun: float, now: float, first: float, present: float, end: float) -> float:
+    """Return the wall time to go (s), at the mean pace since the run began or was resumed; inf at first.
+
+    Parameters
+    ----------
+    begun, now
+        Wall clock at the first time and now (s).
+    first, present, end
+        Simulated time at the first, the present and the last instant (s).
+    """
+    if present <= first:
+        return float("inf")
+    return max(end - present, 0.0) * (now - begun) / (present - first)
+
+
+def duration(seconds: float) -> str:
+    """Return seconds as h:mm:ss, or ``?`` if unknown."""
+    if seconds == float("inf"):
+        return "?"
+    minutes, rest = divmod(round(seconds), 60)
+    return f"{minutes // 60}:{minutes % 60:02d}:{rest:02d}"
+
+
+class _Pace:
+    """The pace of the run since its first step here, for the time to go."""
+
+    def __init__(self, end: float, clock: Callable[[], float]) -> None:
+        self._end = end
+        self._clock = clock
+        self._first: tuple[float, float] | None = None
+
+    def to_go(self, present: float) -> str:
+        now = self._clock()
+        if self._first is None:
+            self._first = (now, present)
+        begun, first = self._first
+        return duration(remaining(begun, now, first, present, self._end))
+
+
+class Silent:
+    """Shows nothing."""
+
+    def show(self, measures: Measures) -> None:
+        """Show nothing."""
+
+    def __enter__(self) -> Silent:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        return None
+
+
+class PlainLines(Silent):
+    """One line every few seconds, and the last state at the end.
+
+    Parameters
+    ----------
+    end
+        Final time of the run (s).
+    stream
+        Where to write.
+    interval
+        Seconds between lines.
+    clock
+        Wall clock; another one for tests.
+    """
+
+    def __init__(
+        self,
+        end: float,
+        stream: TextIO,
+        interval: float = PLAIN_INTERVAL,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._stream = stream
+        self._interval = interval
+        self._clock = clock
+        self._pace = _Pace(end, clock)
+        self._last_line = float("-inf")
+        self._unshown = ""
+
+    def show(self, measures: Measures) -> None:
+        """Write a line if the last one is old enough."""
+        self._unshown = f"{state_line(measures)}  to go {self._pace.to_go(measures.time)}"
+        if self._clock() - self._last_line >= self._interval:
+            self._write()
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._unshown:
+            self._write()
+
+    def _write(self) -> None:
+        print(self._unshown, file=self._stream, flush=True)
+        self._last_line, self._unshown = self._clock(), ""
+
+
+class Live:
+    """A progress bar with the state of the run.
+
+    Parameters
+    ----------
+    end
+        Final time of the run (s).
+    stream
+        A terminal.
+    """
+
+    def __init__(self, end: float, stream: TextIO) -> None:
+        self._pace = _Pace(end, time.monotonic)
+        self._bar = Progress(
+            BarColumn(bar_width=20),
+            TaskProgressColumn(),
+            TextColumn("{task.description}"),
+            TimeElapsedColumn(),
+            TextColumn("to go {task.fields[to_go]}"),
+            console=Console(file=stream),
+        )
+        self._task = self._bar.add_task("starting", total=end, to_go="?")
+
+    def show(self, measures: Measures) -> None:
+        """Update the bar."""
+        self._bar.update(
+            self._task,
+            completed=measures.time,
+            description=state_line(measures),
+            to_go=self._pace.to_go(measures.time),
+        )
+
+    def __enter__(self) -> Live:
+        self._bar.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._bar.stop()
