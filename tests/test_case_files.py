@@ -182,6 +182,11 @@ def test_a_file_that_can_not_be_read_says_why(tmp_path: Path, case_file: Path) -
     assert "line 2" in line
 
 
+def test_an_editor_s_byte_order_mark_does_no_harm(case_file: Path) -> None:
+    case_file.write_text(CASE, encoding="utf-8-sig")
+    assert load_case(case_file)[0].title == "small cut"
+
+
 @pytest.mark.parametrize("name", ["aisi4340", "42cd4", "voce_steel"])
 def test_resolved_inputs_alone_give_the_same_case_again(tmp_path: Path, case_file: Path, name: str) -> None:
     case, material = load_case(case_file, [f"workpiece.material={name}", "contact.friction=0.3"])

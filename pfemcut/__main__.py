@@ -1,0 +1,6 @@
+"""``python -m pfemcut``."""
+
+from pfemcut.cli.main import main
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,171 @@
+"""The command line: ``pfemcut run | check | report | materials``.
+
+Exit status 0 for success (a finished, valid run), 1 for a run that stopped, 2 for bad input, 130 for Ctrl-C.
+Whatever is slow to import (dolfinx, matplotlib) is imported by the command that needs it.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pfemcut.case.check import figures, warnings
+from pfemcut.case.load import load_case
+from pfemcut.case.schema import Case
+from pfemcut.inputs import InputError
+from pfemcut.materials.load import described, library_names, load_material
+from pfemcut.method import CutEnded, RunStopped
+
+CaseFile = Annotated[Path, typer.Argument(metavar="CASE.toml", help="Case file.", show_default=False)]
+Overrides = Annotated[
+    list[str],
+    typer.Option("--set", metavar="SECTION.KEY=VALUE", help="Override one value; repeat at will."),
+]
+
+app = typer.Typer(
+    add_completion=False,
+    rich_markup_mode=None,
+    help="Metal cutting with the particle finite element method.",
+)
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line and exit with its status; under mpirun only rank 0 speaks."""
+    sys.exit(status(sys.argv[1:] if arguments is None else arguments))
+
+
+def status(arguments: Sequence[str]) -> int:
+    """Run the command line and return its exit status, errors printed as one line each."""
+    try:
+        return int(app(list(arguments), standalone_mode=False, prog_name="pfemcut") or 0)
+    except InputError as error:
+        _complain(*error.problems)
+        return 2
+    except RunStopped as error:
+        _complain(f"run stopped: {error}")
+        return 1
+    except CutEnded as error:
+        _complain(f"cut ended early: {error}")
+        return 1
+    except KeyboardInterrupt:
+        _complain("interrupted")
+        return 130
+    except Exception as error:
+        # Mistakes on the command line: depending on its version, typer brings click or has its own copy of it,
+        # so they are known by what they can do.
+        if not hasattr(error, "format_message"):
+            raise
+        _complain(" ".join(error.format_message().split()))
+        return 2
+
+
+@app.callback(invoke_without_command=True)
+def _options(
+    context: typer.Context,
+    show_version: Annotated[bool, typer.Option("--version", help="Print the version and exit.")] = False,
+) -> None:
+    if show_version:
+        _say(f"pfemcut {version('pfemcut')}")
+        raise typer.Exit
+    if context.invoked_subcommand is None:
+        raise InputError(["no command given; see pfemcut --help"])
+
+
+@app.command()
+def run(
+    case_file: CaseFile,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="DIR", help="Folder of the results.")
+    ] = None,
+    travel: Annotated[
+        float | None, typer.Option(metavar="MM", help="Travel of the tool, instead of the case's.")
+    ] = None,
+    overrides: Overrides = [],  # noqa: B006 (typer copies it)
+    resume: Annotated[bool, typer.Option("--resume", help="Continue from the last checkpoint.")] = False,
+) -> None:
+    """Run a case."""
+    case, material = load_case(
+        case_file, [*overrides, *([] if travel is None else [f"cutting.travel={travel}"])]
+    )
+    case = _directed(case, output)
+    directory = Path(case.output.directory)
+    _demand_writable(directory)
+    from pfemcut.driver import run_case
+
+    run_case(case, material, directory, resume=resume)
+
+
+@app.command()
+def check(case_file: CaseFile, overrides: Overrides = []) -> None:  # noqa: B006 (typer copies it)
+    """Validate a case and print its main figures."""
+    case, material = load_case(case_file, overrides)
+    for name, text in figures(case, material):
+        _say(f"{name:<11} {text}")
+    for text in warnings(case):
+        _say(f"warning: {text}")
+
+
+@app.command()
+def report(
+    directory: Annotated[
+        Path, typer.Argument(metavar="DIR", help="Folder of the results.", show_default=False)
+    ],
+) -> None:
+    """Write the figures and the report of a run again."""
+    if not (directory / "history.csv").is_file():
+        raise InputError([f"{directory}: no results here (history.csv is missing)"])
+    from pfemcut.output.report import write_report
+
+    write_report(directory)
+
+
+@app.command()
+def materials(
+    name: Annotated[str | None, typer.Argument(help="Material to print; all names if left out.")] = None,
+) -> None:
+    """List the materials of the library, or print one as a material file."""
+    if name is not None:
+        _say(described(load_material(name, Path(), section="")))
+        return
+    for known in library_names():
+        material = load_material(known, Path())
+        _say(f"{known:<12} {material.name}: {material.source}")
+
+
+def _directed(case: Case, output: Path | None) -> Case:
+    """The case with its output folder replaced, if another one is asked for."""
+    if output is None:
+        return case
+    return case.model_copy(update={"output": case.output.model_copy(update={"directory": str(output)})})
+
+
+def _demand_writable(directory: Path) -> None:
+    """Fail before the run, rather than at its first frame, if results can't be written to ``directory``."""
+    existing = next(folder for folder in (directory, *directory.absolute().parents) if folder.exists())
+    if not existing.is_dir():
+        raise InputError([f"{directory}: can't hold results, {existing} is not a folder"])
+    if not os.access(existing, os.W_OK | os.X_OK):
+        raise InputError([f"{directory}: can't hold results, {existing} is not writable"])
+
+
+def _speaks() -> bool:
+    """Whether this process is rank 0, told from the launcher's environment (MPI itself is slow to import)."""
+    ranks = ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK", "SLURM_PROCID")
+    return all(os.environ.get(name, "0") == "0" for name in ranks)
+
+
+def _say(line: str) -> None:
+    if _speaks():
+        print(line)
+
+
+def _complain(*lines: str) -> None:
+    if _speaks():
+        for line in lines:
+            print(f"pfemcut: {line}", file=sys.stderr)
