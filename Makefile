@@ -1,0 +1,58 @@
+# make demo    sets up what is missing, then cuts AISI 4340
+# make test    sets up what is missing, then runs the tests
+.DEFAULT_GOAL := help
+.PHONY: help setup demo test validate bench lint clean
+.NOTPARALLEL:
+
+# Another active environment, or packages in the user's home, must not mix with Debian's.
+unexport VIRTUAL_ENV PYTHONHOME PYTHONPATH
+export PYTHONNOUSERSITE := 1
+
+PYTHON := .venv/bin/python
+READY := .venv/.ready
+DEMO := demos/aisi4340_demo/case.toml
+DEMO_OUT := out/demo
+
+help:
+	@echo "make setup     install what is missing (Debian packages as root) and make .venv"
+	@echo "make demo      cut AISI 4340 with a rigid tool; results in $(DEMO_OUT)"
+	@echo "make test      fast tests"
+	@echo "make validate  slow tests and the published cases (hours)"
+	@echo "make bench     timings"
+	@echo "make lint      ruff and mypy"
+	@echo "make clean     remove results and caches"
+
+setup: $(READY)
+
+$(READY): pyproject.toml scripts/setup.sh
+	@rm -f $@
+	scripts/setup.sh
+	@touch $@
+
+demo: $(READY)
+	$(PYTHON) -m pfemcut run $(DEMO) -o $(DEMO_OUT)
+	@echo "fields   $(DEMO_OUT)/fields.pvd (ParaView)"
+	@echo "figures  $(DEMO_OUT)/figures/"
+	@echo "report   $(DEMO_OUT)/report.html"
+
+# One BLAS thread: tests compare bit for bit, and small matrices gain nothing from more.
+test validate: export OMP_NUM_THREADS := 1
+
+test: $(READY)
+	$(PYTHON) -m pytest -q -m "not slow" tests
+
+validate: $(READY)
+	$(PYTHON) -m pytest -q -m slow tests || [ $$? -eq 5 ] # 5: there are none
+	@set -e; for script in $(wildcard demos/*/run.py); do echo "== $$script"; $(PYTHON) $$script; done
+
+bench: $(READY)
+	@set -e; for script in $(wildcard benchmarks/*.py); do echo "== $$script"; $(PYTHON) $$script; done
+
+lint: $(READY)
+	$(PYTHON) -m ruff check .
+	$(PYTHON) -m ruff format --check .
+	$(PYTHON) -m mypy
+
+clean:
+	rm -rf out build demos/*/out *.egg-info .pytest_cache .hypothesis .ruff_cache .mypy_cache
+	find . -name __pycache__ -not -path './.venv/*' -prune -exec rm -rf {} +

@@ -1,0 +1,59 @@
+#!/usr/bin/env bash
+# Installs what is missing and makes .venv: Debian's dolfinx and friends with apt, the rest with pip.
+# Safe to repeat; called by `make setup`.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+fail() { echo "setup: $*" >&2; exit 1; }
+
+# 1. Debian packages. The dolfinx JIT needs a C compiler and Python's headers.
+packages=(
+    python3-dolfinx python3-petsc4py python3-mpi4py python3-gmsh gmsh libopenblas0-pthread
+    python3-numba python3-h5py python3-scipy python3-venv python3-dev gcc libc6-dev make
+)
+command -v dpkg-query >/dev/null || fail "needs Debian 12 or a system with its packages (no dpkg-query here)"
+missing=()
+for package in "${packages[@]}"; do
+    state=$(dpkg-query -W -f='${Status}' "$package" 2>/dev/null || true)
+    [ "$state" = "install ok installed" ] || missing+=("$package")
+done
+if [ "${#missing[@]}" -gt 0 ]; then
+    [ "$(id -u)" -eq 0 ] || fail "these Debian packages are missing: ${missing[*]}
+setup: install them as root, then repeat:
+setup:   apt-get update && apt-get install --no-install-recommends ${missing[*]}"
+    echo "setup: installing ${missing[*]}"
+    export DEBIAN_FRONTEND=noninteractive
+    apt-get update
+    apt-get install -y --no-install-recommends "${missing[@]}"
+fi
+
+# 2. MUMPS is several times faster with OpenBLAS than with the reference BLAS.
+system=/usr/bin/python3
+triplet=$("$system" -c 'import sysconfig; print(sysconfig.get_config_var("MULTIARCH"))')
+case $(readlink -f "/usr/lib/$triplet/libblas.so.3" || true) in
+    *openblas*) ;;
+    *) echo "setup: warning: libblas is not OpenBLAS, solves will be slow; as root run:" >&2
+       echo "setup:   update-alternatives --config libblas.so.3-$triplet" >&2 ;;
+esac
+
+# 3. Virtual environment of Debian's interpreter, whatever environment is active or python3 comes first on PATH.
+# Packages of the user's home (pip --user) are kept out: a newer numpy there breaks Debian's binaries.
+unset VIRTUAL_ENV PYTHONHOME PYTHONPATH PIP_TARGET PIP_PREFIX PIP_USER PIP_REQUIRE_VIRTUALENV
+export PYTHONNOUSERSITE=1
+wanted=$("$system" -c 'import os, sys; print(os.path.realpath(sys.executable))')
+found=$(.venv/bin/python -c 'import os, sys; print(os.path.realpath(sys.executable))' 2>/dev/null || true)
+if [ "$found" != "$wanted" ] || ! grep -q '^include-system-site-packages = true' .venv/pyvenv.cfg; then
+    "$system" -m venv --clear --system-site-packages .venv
+fi
+
+# 4. Python packages, with numpy held at the version that Debian's binaries were built with.
+numpy=$("$system" -c 'import numpy; print(numpy.__version__)')
+echo "numpy==$numpy" > .venv/constraints.txt
+.venv/bin/python -m pip install --quiet --disable-pip-version-check --constraint .venv/constraints.txt --editable '.[dev]'
+
+# 5. Everything together in one process, before anybody waits for a run.
+.venv/bin/python - <<'CHECK' || fail "the installed packages do not work together (see above)"
+import dolfinx, gmsh, h5py, mpi4py.MPI, numba, numpy, petsc4py, pythoncdt, scipy
+import pfemcut.cli.main
+print(f"setup: ready with dolfinx {dolfinx.__version__}, petsc4py {petsc4py.__version__}, numpy {numpy.__version__}")
+CHECK
