@@ -6,6 +6,7 @@ Two are kept, so that a machine that dies while it writes costs at most the step
 from __future__ import annotations
 
 import hashlib
+import io
 import os
 import tomllib
 from collections.abc import Iterator, Mapping
@@ -78,16 +79,14 @@ def write_checkpoint(path: Path, state: State, resolved_case: str, step: int) ->
     if bad:
         raise TypeError(f"checkpoint state must be numbers or booleans: {', '.join(bad)}")
     temporary = path.with_name(path.name + ".tmp")
-    with h5py.File(temporary, "w") as file:
-        file.attrs["format"] = FORMAT
-        file.attrs["version"] = VERSION
-        file.attrs["step"] = step
-        file.attrs["digest"] = _digest(arrays, resolved_case, step)
-        file.create_dataset("case", data=resolved_case, dtype=h5py.string_dtype())
-        group = file.create_group("state")
-        for name, array in arrays.items():
-            group.create_dataset(name, data=array)
-    _sync(temporary)
+    try:
+        with temporary.open("wb") as file:
+            file.write(_image(arrays, resolved_case, step))
+            file.flush()
+            os.fsync(file.fileno())
+    except OSError:
+        temporary.unlink(missing_ok=True)
+        raise
     if path.exists():
         os.replace(path, path.with_name(PREVIOUS))
     os.replace(temporary, path)
@@ -201,6 +200,24 @@ def _digest(arrays: State, case: str, step: int) -> str:
         total.update(f"{name} {array.dtype.str} {arrays[name].shape}".encode())
         total.update(array.tobytes())
     return total.hexdigest()
+
+
+def _image(arrays: State, resolved_case: str, step: int) -> bytes:
+    """Return the HDF5 file as bytes.
+
+    HDF5 builds it in memory because it crashes the process when a disk fills under an open file.
+    """
+    image = io.BytesIO()
+    with h5py.File(image, "w") as file:
+        file.attrs["format"] = FORMAT
+        file.attrs["version"] = VERSION
+        file.attrs["step"] = step
+        file.attrs["digest"] = _digest(arrays, resolved_case, step)
+        file.create_dataset("case", data=resolved_case, dtype=h5py.string_dtype())
+        group = file.create_group("state")
+        for name, array in arrays.items():
+            group.create_dataset(name, data=array)
+    return image.getvalue()
 
 
 def _sync(path: Path) -> None:

@@ -6,6 +6,7 @@ compared byte for byte with an uninterrupted one.
 
 from __future__ import annotations
 
+import contextlib
 import operator
 import os
 from collections.abc import Mapping
@@ -85,7 +86,9 @@ class TableWriter:
 
     def close(self) -> None:
         """Close the file."""
-        self._file.close()
+        # Every row was flushed; what is left is a row that failed and was reported when it did.
+        with contextlib.suppress(OSError):
+            self._file.close()
 
     def __enter__(self) -> TableWriter:
         return self

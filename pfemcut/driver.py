@@ -1,0 +1,279 @@
+"""The driver: runs any method to its end and writes everything that a user gets.
+
+It knows methods by :class:`pfemcut.method.Method` alone, so history, fields, checkpoints, progress, figures and
+reports are written once and serve every method.
+"""
+
+from __future__ import annotations
+
+import math
+import signal
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+from pfemcut.method import CutEnded, Frame, Measures, Method, RunStopped
+from pfemcut.output.directory import HISTORY, SUMMARY, TIMING, prepare_directory, writing
+from pfemcut.output.progress import progress_display
+from pfemcut.output.recorder import Recorder
+from pfemcut.problem import Problem
+from pfemcut.ranks import Ranks, SignalNotes
+from pfemcut.results.checkpoint import Checkpoint, State, read_checkpoint, require_same_case
+from pfemcut.results.derived.columns import derived_columns
+from pfemcut.results.history import CORE_COLUMNS, read_table
+from pfemcut.results.summary import Summary, summarise, write_summary
+
+if TYPE_CHECKING:
+    from pfemcut.case.schema import Case
+    from pfemcut.materials.material import Material
+
+
+class RunInterrupted(RunStopped):
+    """A run stopped by a signal; it can be resumed."""
+
+
+class OutputControls(Protocol):
+    """How often what is written (steps); ``case.output`` is one."""
+
+    @property
+    def every(self) -> int:
+        """Steps between frames of the fields."""
+
+    @property
+    def history_every(self) -> int:
+        """Steps between history rows."""
+
+    @property
+    def checkpoint_every(self) -> int:
+        """Steps between checkpoints."""
+
+    @property
+    def figures(self) -> bool:
+        """Whether figures and the report are made at the end."""
+
+
+@dataclass(frozen=True)
+class MethodFactory:
+    """Makes a method: from the problem's initial state, or from a checkpoint's state."""
+
+    start: Callable[[], Method]
+    restore: Callable[[State], Method]
+
+
+def run_case(
+    case: Case, material: Material, directory: Path | str, *, resume: bool = False, overwrite: bool = False
+) -> Summary:
+    """Run a cutting case with the PFEM and return its summary; see :func:`run_problem`."""
+    from pfemcut.case.cutting import cutting_problem
+    from pfemcut.case.load import resolved_toml
+    from pfemcut.pfem.method import PfemMethod
+
+    problem = cutting_problem(case, material)
+    factory = MethodFactory(
+        start=lambda: PfemMethod.start(problem), restore=lambda state: PfemMethod.restore(problem, state)
+    )
+    inputs = resolved_toml(case, material)
+    return run_problem(
+        problem, factory, Path(directory), case.output, inputs=inputs, resume=resume, overwrite=overwrite
+    )
+
+
+def run_problem(
+    problem: Problem,
+    factory: MethodFactory,
+    directory: Path,
+    controls: OutputControls,
+    *,
+    inputs: str,
+    resume: bool = False,
+    overwrite: bool = False,
+    communicator: Any = None,
+) -> Summary:
+    """Run a method to its end; under MPI called by all ranks, of which the first writes.
+
+    Parameters
+    ----------
+    problem
+        What is run; its title, tool, cut and final time are used here.
+    factory
+        Makes the method.
+    directory
+        Output directory.
+    controls
+        How often what is written.
+    inputs
+        Resolved case (TOML text), kept beside the results and in checkpoints.
+    resume
+        Go on from the checkpoint in ``directory``.
+    overwrite
+        Let a fresh run remove the results of an earlier one in ``directory``.
+    communicator
+        An mpi4py communicator; the world if None.
+
+    Returns
+    -------
+    The summary, also of a cut that came to a physical end before its travel.
+
+    Raises
+    ------
+    RunStopped
+        If the method can't go on, or (:class:`RunInterrupted`) on SIGINT or SIGTERM. Outputs and a checkpoint of the
+        last finished step are written, and a summary that says ``finished: false``.
+    OutputError, CheckpointError
+        If the directory can't be used, or there is nothing that could be resumed.
+    """
+    ranks = Ranks(communicator)
+    ranks.on_first(lambda: prepare_directory(directory, resume=resume, overwrite=overwrite))
+    last_step = -1
+    warnings: tuple[str, ...] = ()
+    if resume:
+        checkpoint = ranks.on_first(lambda: _resumable(directory, inputs))
+        last_step, warnings = checkpoint.step, checkpoint.warnings
+        method = factory.restore(checkpoint.state)
+    else:
+        method = factory.start()
+    run = _Run(problem, method, directory, controls, ranks, warnings)
+    with run.recording(inputs, last_step):
+        return run.to_end(fresh=not resume)
+
+
+def summary_of(
+    directory: Path, problem: Problem, *, finished: bool, ending: str, warnings: Sequence[str]
+) -> Summary:
+    """Build the summary of the tables in ``directory``."""
+    history, timing = directory / HISTORY, directory / TIMING
+    none = {name: np.zeros(0) for name in CORE_COLUMNS}
+    cut, tool = problem.cut, problem.tool
+    return summarise(
+        (read_table(history) or none) if history.exists() else none,
+        read_table(timing) if timing.exists() else {},
+        title=problem.title,
+        finished=finished,
+        ending=ending,
+        depth=cut[0].depth if cut else math.nan,
+        rake=tool[0].shape.rake if tool else math.nan,
+        warnings=warnings,
+    )
+
+
+class _Run:
+    """A method on its way through the loop, and what is written on the way."""
+
+    def __init__(
+        self,
+        problem: Problem,
+        method: Method,
+        directory: Path,
+        controls: OutputControls,
+        ranks: Ranks,
+        warnings: Sequence[str],
+    ) -> None:
+        self._problem = problem
+        self._method = method
+        self._directory = directory
+        self._controls = controls
+        self._ranks = ranks
+        self._warnings = tuple(warnings)
+        # Rank 0 has one, the others none.
+        self._recorders: list[Recorder] = []
+
+    @contextmanager
+    def recording(self, inputs: str, last_step: int) -> Iterator[None]:
+        """Open the writers, and close them whatever happens."""
+        opened = self._recorders
+        self._ranks.on_first(lambda: opened.append(Recorder(self._directory, inputs, last_step)))
+        try:
+            yield
+        finally:
+            for recorder in opened:
+                recorder.close()
+
+    def to_end(self, *, fresh: bool) -> Summary:
+        """Advance until the method is finished, can't go on, or a signal comes."""
+        method = self._method
+        try:
+            if fresh:
+                self._record_frame()
+            end = self._problem.time.end
+            with SignalNotes() as signals, progress_display(end, visible=self._ranks.first) as progress:
+                while not method.finished:
+                    begun = time.perf_counter()
+                    method.advance()
+                    measures = method.measure()
+                    self._record(measures, begun)
+                    progress.show(measures)
+                    number = self._ranks.largest(signals.noted)
+                    if number and not method.finished:
+                        raise RunInterrupted(
+                            f"stopped by {signal.Signals(number).name} after step {measures.step}, "
+                            f"travel {measures.travel:.4f} mm; it can be resumed"
+                        )
+        except CutEnded as ended:
+            return self._finish(finished=True, ending=str(ended), warnings=(str(ended),))
+        except RunStopped as stopped:
+            self._finish(finished=False, ending=str(stopped), warnings=(str(stopped),))
+            raise
+        return self._finish(finished=True, ending="reached its final time")
+
+    def _record(self, measures: Measures, begun: float) -> None:
+        """Write what is due after a step; the time that this takes is the step's phase ``output``."""
+        method, controls, step = self._method, self._controls, measures.step
+        advanced = time.perf_counter()
+        last = method.finished
+        if last or step % controls.history_every == 0:
+            own = dict(method.own_measures())
+            frames = [method.frame()] if self._problem.cut else []
+            cuts = zip(frames, self._problem.cut, strict=False)
+
+            def write_row() -> None:
+                for frame, cut in cuts:
+                    own.update(derived_columns(frame, cut))
+                self._recorders[0].row(measures, own)
+
+            self._ranks.on_first(write_row)
+        if step % controls.every == 0:
+            self._record_frame()
+        if step % controls.checkpoint_every == 0:
+            self._record_checkpoint(step)
+        ended = time.perf_counter()
+        seconds = {**method.timing(), "output": ended - advanced, "total": ended - begun}
+        self._ranks.on_first(lambda: self._recorders[0].times(step, seconds))
+
+    def _record_frame(self) -> Frame:
+        frame = self._method.frame()
+        self._ranks.on_first(lambda: self._recorders[0].frame(frame))
+        return frame
+
+    def _record_checkpoint(self, step: int) -> None:
+        state = self._method.state()
+        self._ranks.on_first(lambda: self._recorders[0].checkpoint(step, state))
+
+    def _finish(self, *, finished: bool, ending: str, warnings: Sequence[str] = ()) -> Summary:
+        """Write the last state, the summary, and the figures and the report if wished."""
+        frame = self._record_frame()
+        self._record_checkpoint(frame.step)
+
+        def conclude() -> Summary:
+            directory, every = self._directory, (*self._warnings, *warnings)
+            summary = summary_of(directory, self._problem, finished=finished, ending=ending, warnings=every)
+            with writing(directory):
+                write_summary(directory / SUMMARY, summary)
+                if self._controls.figures:
+                    # Not before it's needed: matplotlib takes a second to load.
+                    from pfemcut.output.report import write_report
+
+                    write_report(directory)
+            return summary
+
+        return self._ranks.on_first(conclude)
+
+
+def _resumable(directory: Path, inputs: str) -> Checkpoint:
+    checkpoint = read_checkpoint(directory)
+    require_same_case(checkpoint.resolved_case, inputs)
+    return checkpoint
