@@ -30,7 +30,7 @@ $(READY): pyproject.toml scripts/setup.sh
 	@touch $@
 
 demo: $(READY)
-	$(PYTHON) -m pfemcut run $(DEMO) -o $(DEMO_OUT)
+	$(PYTHON) -m pfemcut run $(DEMO) -o $(DEMO_OUT) --overwrite
 	@echo "fields   $(DEMO_OUT)/fields.pvd (ParaView)"
 	@echo "figures  $(DEMO_OUT)/figures/"
 	@echo "report   $(DEMO_OUT)/report.html"

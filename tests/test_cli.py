@@ -14,7 +14,10 @@ from meshing.sizes import Box, SizeField, SizeZone
 from pfemcut.case.check import particle_estimate
 from pfemcut.cli.main import status
 from pfemcut.inputs import InputError
-from pfemcut.method import CutEnded, RunStopped
+from pfemcut.method import RunStopped
+from pfemcut.output.directory import OutputError
+from pfemcut.results.checkpoint import CheckpointError
+from pfemcut.results.summary import Summary
 
 CASE = """\
 title = "small cut"
@@ -45,15 +48,36 @@ def case_file(tmp_path: Path) -> Path:
 class Driver(ModuleType):
     """Stands in for ``pfemcut.driver``: remembers its call and raises what it is told to."""
 
-    def __init__(self, raises: Exception | None = None) -> None:
+    def __init__(self, raises: Exception | None = None, finished: bool = True) -> None:
         super().__init__("pfemcut.driver")
         self.raises = raises
+        self.finished = finished
         self.calls: list[tuple[Any, ...]] = []
 
-    def run_case(self, case: Any, material: Any, directory: Path, *, resume: bool) -> None:
-        self.calls.append((case, material, directory, resume))
+    def run_case(
+        self, case: Any, material: Any, directory: Path, *, resume: bool, overwrite: bool
+    ) -> Summary:
+        self.calls.append((case, material, directory, resume, overwrite))
         if self.raises is not None:
             raise self.raises
+        return Summary(
+            title=case.title,
+            finished=self.finished,
+            ending="reached its final time",
+            steady=True,
+            window=(0.4, 0.5),
+            steps=1502,
+            travel=0.5,
+            wall_time=12.0,
+            figures={
+                "cutting_force": {"mean": 151.25, "std": 1.5, "unit": "N/mm"},
+                "area_drift": {"value": 0.001, "unit": "-"},
+            },
+            ledgers={},
+            seconds_per_step={},
+            versions={},
+            warnings=("the chip is short",),
+        )
 
 
 def installed(monkeypatch: pytest.MonkeyPatch, driver: Driver) -> Driver:
@@ -66,13 +90,8 @@ def test_run_hands_the_case_to_the_driver(
 ) -> None:
     driver = installed(monkeypatch, Driver())
     assert status(["run", str(case_file)]) == 0
-    case, material, directory, resume = driver.calls[0]
-    assert (case.cutting.travel, material.name, directory, resume) == (
-        0.5,
-        "AISI 4340",
-        tmp_path / "out",
-        False,
-    )
+    case, material, *rest = driver.calls[0]
+    assert (case.cutting.travel, material.name, *rest) == (0.5, "AISI 4340", tmp_path / "out", False, False)
 
 
 def test_options_of_run_override_the_case(
@@ -92,11 +111,42 @@ def test_options_of_run_override_the_case(
         "--resume",
     ]
     assert status(["run", str(case_file), *options]) == 0
-    case, _, directory, resume = driver.calls[0]
+    case, _, directory, resume, overwrite = driver.calls[0]
     assert (case.cutting.travel, case.tool.rake, case.mesh.insert) == (0.25, 6.0, False)
     assert directory == other
     assert case.output.directory == str(other)
-    assert resume is True
+    assert (resume, overwrite) == (True, False)
+
+
+def test_overwrite_reaches_the_driver_and_excludes_resume(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], case_file: Path
+) -> None:
+    driver = installed(monkeypatch, Driver())
+    assert status(["run", str(case_file), "--overwrite"]) == 0
+    assert driver.calls[0][3:] == (False, True)
+    assert status(["run", str(case_file), "--overwrite", "--resume"]) == 2
+    assert "exclude each other" in capsys.readouterr().err
+    assert len(driver.calls) == 1
+
+
+def test_a_finished_run_prints_its_figures(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], case_file: Path
+) -> None:
+    installed(monkeypatch, Driver())
+    assert status(["run", str(case_file)]) == 0
+    printed = capsys.readouterr().out
+    for words in ("small cut: reached its final time", "1502 steps", "0.4 to 0.5 mm, steady"):
+        assert words in printed
+    assert [line.split() for line in printed.splitlines() if line.startswith("  ")] == [
+        ["cutting_force", "151.2", "+-", "1.5", "N/mm"],
+        ["area_drift", "0.001"],
+    ]
+    assert "warning: the chip is short" in printed
+
+
+def test_a_run_without_valid_figures_is_no_success(monkeypatch: pytest.MonkeyPatch, case_file: Path) -> None:
+    installed(monkeypatch, Driver(finished=False))
+    assert status(["run", str(case_file)]) == 1
 
 
 def test_overrides_of_one_run_do_not_leak_into_the_next(
@@ -112,8 +162,13 @@ def test_overrides_of_one_run_do_not_leak_into_the_next(
     ("raised", "code", "line"),
     [
         (RunStopped("step 7: no convergence"), 1, "pfemcut: run stopped: step 7: no convergence\n"),
-        (CutEnded("chip touched the workpiece"), 1, "pfemcut: cut ended early: chip touched the workpiece\n"),
-        (InputError(["checkpoint.h5: another case"]), 2, "pfemcut: checkpoint.h5: another case\n"),
+        (InputError(["a problem"]), 2, "pfemcut: a problem\n"),
+        (
+            OutputError("out: holds the results of another run"),
+            2,
+            "pfemcut: out: holds the results of another run\n",
+        ),
+        (CheckpointError("checkpoint.h5: another case"), 2, "pfemcut: checkpoint.h5: another case\n"),
     ],
 )
 def test_a_run_that_stops_says_why_in_one_line(
@@ -186,16 +241,6 @@ def test_a_wrong_command_line_is_one_line_and_status_2(
     assert status(arguments) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert words in line
-
-
-def test_a_folder_that_can_not_hold_results_is_refused_before_the_run(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], case_file: Path, tmp_path: Path
-) -> None:
-    driver = installed(monkeypatch, Driver())
-    (tmp_path / "file").write_text("")
-    assert status(["run", str(case_file), "-o", str(tmp_path / "file" / "out")]) == 2
-    assert "is not a folder" in capsys.readouterr().err
-    assert not driver.calls
 
 
 def test_check_prints_the_main_figures(capsys: pytest.CaptureFixture[str], case_file: Path) -> None:

@@ -18,9 +18,10 @@ import typer
 from pfemcut.case.check import figures, warnings
 from pfemcut.case.load import load_case
 from pfemcut.case.schema import Case
+from pfemcut.cli.table import result_lines
 from pfemcut.inputs import InputError
 from pfemcut.materials.load import described, library_names, load_material
-from pfemcut.method import CutEnded, RunStopped
+from pfemcut.method import RunStopped
 
 CaseFile = Annotated[Path, typer.Argument(metavar="CASE.toml", help="Case file.", show_default=False)]
 Overrides = Annotated[
@@ -49,9 +50,6 @@ def status(arguments: Sequence[str]) -> int:
         return 2
     except RunStopped as error:
         _complain(f"run stopped: {error}")
-        return 1
-    except CutEnded as error:
-        _complain(f"cut ended early: {error}")
         return 1
     except KeyboardInterrupt:
         _complain("interrupted")
@@ -88,17 +86,30 @@ def run(
     ] = None,
     overrides: Overrides = [],  # noqa: B006 (typer copies it)
     resume: Annotated[bool, typer.Option("--resume", help="Continue from the last checkpoint.")] = False,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Replace the results of an earlier run in DIR.")
+    ] = False,
 ) -> None:
     """Run a case."""
+    if resume and overwrite:
+        raise InputError(["--resume and --overwrite exclude each other"])
     case, material = load_case(
         case_file, [*overrides, *([] if travel is None else [f"cutting.travel={travel}"])]
     )
     case = _directed(case, output)
-    directory = Path(case.output.directory)
-    _demand_writable(directory)
     from pfemcut.driver import run_case
+    from pfemcut.output.directory import OutputError
+    from pfemcut.results.checkpoint import CheckpointError
 
-    run_case(case, material, directory, resume=resume)
+    directory = Path(case.output.directory)
+    try:
+        summary = run_case(case, material, directory, resume=resume, overwrite=overwrite)
+    except (OutputError, CheckpointError) as error:
+        raise InputError([str(error)]) from error
+    for line in result_lines(summary):
+        _say(line)
+    if not summary.finished:
+        raise typer.Exit(1)
 
 
 @app.command()
@@ -143,15 +154,6 @@ def _directed(case: Case, output: Path | None) -> Case:
     if output is None:
         return case
     return case.model_copy(update={"output": case.output.model_copy(update={"directory": str(output)})})
-
-
-def _demand_writable(directory: Path) -> None:
-    """Fail before the run, rather than at its first frame, if results can't be written to ``directory``."""
-    existing = next(folder for folder in (directory, *directory.absolute().parents) if folder.exists())
-    if not existing.is_dir():
-        raise InputError([f"{directory}: can't hold results, {existing} is not a folder"])
-    if not os.access(existing, os.W_OK | os.X_OK):
-        raise InputError([f"{directory}: can't hold results, {existing} is not writable"])
 
 
 def _speaks() -> bool:
