@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ from hypothesis import strategies as st
 
 from pfemcut.case.cutting import cutting_problem, size_field, starting_tool
 from pfemcut.case.load import CaseError, load_case, resolved_toml
-from pfemcut.case.schema import Case, Mesh
+from pfemcut.case.schema import Case, Mesh, Section
 from pfemcut.materials.hardening.voce import Voce
 from pfemcut.problem import HeatSource, Integrator
 
@@ -299,3 +300,20 @@ def test_the_end_time_is_travel_over_speed(case_file: Path) -> None:
     problem = cutting_problem(case, material)
     moved = problem.tool[0].at(problem.time.end)
     assert math.isclose(problem.tool[0].shape.centre[0] - moved.centre[0], 0.25, rel_tol=1e-12)
+
+
+def test_the_readme_s_case_is_valid(tmp_path: Path) -> None:
+    readme = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+    (text,) = re.findall(r"```toml\n(.*?)```", readme, flags=re.DOTALL)
+    (tmp_path / "case.toml").write_text(text, encoding="utf-8")
+    assert load_case(tmp_path / "case.toml")[0].tool.tip_radius == 0.025
+
+
+def test_every_key_of_a_case_is_described() -> None:
+    sections = [field.annotation for field in Case.model_fields.values()]
+    models = [Case, *(each for each in sections if isinstance(each, type) and issubclass(each, Section))]
+    assert len(models) == 9
+    undescribed = [
+        name for model in models for name, field in model.model_fields.items() if not field.description
+    ]
+    assert undescribed == []
