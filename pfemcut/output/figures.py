@@ -1,0 +1,301 @@
+"""Pictures of a run: ``figures/*.png`` from the history and one frame."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")  # No display on a cluster.
+
+import matplotlib.pyplot as plt  # noqa: E402
+import numpy as np  # noqa: E402
+from matplotlib.axes import Axes  # noqa: E402
+from matplotlib.collections import PolyCollection  # noqa: E402
+from matplotlib.colors import LogNorm, Normalize  # noqa: E402
+from matplotlib.figure import Figure  # noqa: E402
+from matplotlib.tri import Triangulation  # noqa: E402
+from numpy.typing import NDArray  # noqa: E402
+
+from pfemcut.method import Frame  # noqa: E402
+from pfemcut.results.derived.chip_section import to_rake_frame  # noqa: E402
+from pfemcut.results.derived.profiles import tool_profile  # noqa: E402
+from pfemcut.results.derived.steady_window import SteadyWindow  # noqa: E402
+
+Array = NDArray[np.float64]
+
+DOTS_PER_INCH = 130
+TOOL_COLOUR = "0.75"
+
+
+@dataclass(frozen=True)
+class FieldPicture:
+    """How a field is drawn.
+
+    Attributes
+    ----------
+    name, title, unit
+        File name, title and unit.
+    values
+        From a frame to the values on particles; shape (n,).
+    colours
+        Colour map.
+    scale
+        From the values in view to the colour scale: the same field keeps its scale from run to run as far as it can.
+    """
+
+    name: str
+    title: str
+    unit: str
+    values: Callable[[Frame], Array]
+    colours: str
+    scale: Callable[[Array], Normalize]
+
+
+def nodal_average(frame: Frame, values: Array) -> Array:
+    """Return element values averaged to the particles with the elements' areas as weights; shape (n,).
+
+    One-point elements of a mixed formulation carry noise from element to element that no particle shows; pictures
+    of the average are nearer to what the method knows.
+    """
+    corners = frame.points[frame.cells]
+    one, two = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    area = 0.5 * np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])
+    count = frame.points.shape[0]
+    particles = frame.cells.ravel()
+    total = np.bincount(particles, weights=np.repeat(area, 3), minlength=count)
+    summed = np.bincount(particles, weights=np.repeat(area * values, 3), minlength=count)
+    return np.asarray(summed / np.where(total == 0.0, 1.0, total))
+
+
+def von_mises_of_average_stress(frame: Frame) -> Array:
+    """Return the von Mises stress (MPa) of the nodal average of the stress tensor; shape (n,).
+
+    Averaging the tensor before its norm lets stresses that alternate from element to element cancel, as they do in
+    the weak form; the average of the norms would show a stress where there is none.
+    """
+    xx, yy, zz, xy = (nodal_average(frame, component) for component in frame.cell_fields["cauchy_stress"].T)
+    return np.sqrt(0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3.0 * xy**2)
+
+
+def _of_cells(name: str) -> Callable[[Frame], Array]:
+    return lambda frame: nodal_average(frame, frame.cell_fields[name])
+
+
+def _from_room_temperature(values: Array) -> Normalize:
+    return Normalize(float(values.min()), max(float(values.max()), float(values.min()) + 1.0))
+
+
+def _from_zero(values: Array) -> Normalize:
+    # The highest per cent is the tip's: it would leave no colours for the chip.
+    return Normalize(0.0, max(float(np.percentile(values, 99.0)), 1e-12))
+
+
+def _four_decades(values: Array) -> Normalize:
+    top = max(float(values.max()), 1.0)
+    decade = 10.0 ** np.ceil(np.log10(top))
+    return LogNorm(decade * 1e-4, decade)
+
+
+FIELDS = (
+    FieldPicture(
+        "temperature",
+        "Temperature",
+        "K",
+        lambda frame: np.asarray(frame.point_fields["temperature"], dtype=np.float64),
+        "inferno",
+        _from_room_temperature,
+    ),
+    FieldPicture(
+        "plastic_strain",
+        "Equivalent plastic strain",
+        "-",
+        _of_cells("equivalent_plastic_strain"),
+        "viridis",
+        _from_zero,
+    ),
+    FieldPicture(
+        "strain_rate",
+        "Equivalent plastic strain rate",
+        "1/s",
+        _of_cells("equivalent_plastic_strain_rate"),
+        "magma",
+        _four_decades,
+    ),
+    FieldPicture("von_mises", "Von Mises stress", "MPa", von_mises_of_average_stress, "turbo", _from_zero),
+)
+
+
+def write_figures(
+    directory: Path, frame: Frame, history: Mapping[str, Array], window: SteadyWindow, depth: float
+) -> list[Path]:
+    """Write all figures into ``directory`` and return their paths, in the order of the report.
+
+    Parameters
+    ----------
+    directory
+        The folder of the figures; made if missing.
+    frame
+        The instant to show.
+    history
+        Columns of ``history.csv``.
+    window
+        The steady window.
+    depth
+        Depth of cut (mm), which sets the size of the picture.
+    """
+    directory.mkdir(exist_ok=True)
+    written: list[Path] = []
+    if history["step"].size:
+        written.append(_save(draw_forces(history, window), directory / "forces.png"))
+    if frame.cells.shape[0]:
+        view = cutting_zone(frame, depth)
+        for field in FIELDS:
+            written.append(_save(draw_field(frame, field, view), directory / f"{field.name}.png"))
+        written.append(_save(draw_mesh(frame, view), directory / "mesh.png"))
+    if tool_profile(frame).arc_length.size:
+        written.append(_save(draw_profiles(frame), directory / "profiles.png"))
+    return written
+
+
+def cutting_zone(frame: Frame, depth: float) -> Array:
+    """Return the corners of the view (mm): the tool's tip, the whole chip and some material around; shape (2, 2)."""
+    if not frame.tool:
+        return np.array([frame.points.min(axis=0), frame.points.max(axis=0)])
+    tool = frame.tool[0]
+    lowest = np.asarray(tool.centre) - [0.0, tool.tip_radius]
+    offset = frame.points - lowest
+    # The chip: what lies in front of the rake face above the uncut surface.
+    chip = (offset[:, 1] > 1.2 * depth) & (to_rake_frame(frame.points, tool)[:, 1] > -0.5 * depth)
+    low = np.array([-5.0 * depth, -2.0 * depth])
+    high = np.array([3.0 * depth, 4.0 * depth])
+    if chip.any():
+        low = np.minimum(low, offset[chip].min(axis=0) - depth)
+        high = np.maximum(high, offset[chip].max(axis=0) + depth)
+    return lowest + np.array([low, high])
+
+
+def draw_forces(history: Mapping[str, Array], window: SteadyWindow) -> Figure:
+    """Return the forces against travel, with the steady window shaded."""
+    figure, axes = plt.subplots(figsize=(7.0, 4.0), layout="constrained")
+    travel = history["travel"]
+    label = "steady window" if window.steady else "averaging window (not steady)"
+    axes.axvspan(
+        window.begin,
+        window.end,
+        color="tab:green" if window.steady else "tab:orange",
+        alpha=0.15,
+        label=label,
+    )
+    for name, label, colour in (
+        ("cutting_force", "cutting force", "tab:blue"),
+        ("thrust_force", "thrust (feed) force", "tab:red"),
+    ):
+        mean = window.mean(history[name])
+        axes.plot(travel, history[name], color=colour, linewidth=1.0, label=f"{label}, mean {mean:.1f} N/mm")
+        axes.hlines(mean, window.begin, window.end, color=colour, linestyle="--", linewidth=1.0)
+    axes.set(xlabel="travel (mm)", ylabel="force on the tool (N/mm)", title="Forces against travel")
+    axes.set_xlim(0.0, max(float(travel[-1]), 1e-9))
+    # A single bad row may not flatten the curves.
+    top = max(float(np.percentile(history[name], 99.5)) for name in ("cutting_force", "thrust_force"))
+    bottom = min(float(np.percentile(history[name], 0.5)) for name in ("cutting_force", "thrust_force"))
+    axes.set_ylim(min(0.0, 1.1 * bottom), 1.25 * top if top > 0.0 else None)
+    axes.grid(alpha=0.3)
+    axes.legend(loc="lower right", fontsize="small")
+    return figure
+
+
+def draw_field(frame: Frame, field: FieldPicture, view: Array) -> Figure:
+    """Return the picture of one field in the cutting zone."""
+    values = field.values(frame)
+    inside = ((frame.points >= view[0]) & (frame.points <= view[1])).all(axis=1)
+    scale = field.scale(values[inside] if inside.any() else values)
+    figure, axes = _zone(view, f"{field.title}, travel {frame.travel:.3f} mm")
+    triangles = _triangles(frame, view)
+    shown = np.clip(values, scale.vmin, scale.vmax)
+    image = axes.tripcolor(triangles, shown, shading="gouraud", cmap=field.colours, norm=scale)
+    _draw_outline(axes, frame)
+    _draw_tool(axes, frame, view)
+    above = "max" if float(values[inside].max(initial=-np.inf)) > float(scale.vmax or 0.0) else "neither"
+    figure.colorbar(image, ax=axes, label=f"{field.title} ({field.unit})", shrink=0.85, extend=above)
+    return figure
+
+
+def draw_mesh(frame: Frame, view: Array) -> Figure:
+    """Return the picture of the mesh in the cutting zone."""
+    count = frame.points.shape[0]
+    figure, axes = _zone(view, f"Mesh, {count} particles, travel {frame.travel:.3f} mm")
+    axes.triplot(_triangles(frame, view), color="tab:blue", linewidth=0.3)
+    _draw_outline(axes, frame)
+    _draw_tool(axes, frame, view)
+    return figure
+
+
+def draw_profiles(frame: Frame) -> Figure:
+    """Return pressure, shear traction and temperature along the tool."""
+    profile = tool_profile(frame)
+    figure, axes = plt.subplots(figsize=(7.0, 4.0), layout="constrained")
+    axes.plot(profile.arc_length, profile.pressure, ".-", color="tab:blue", label="pressure")
+    axes.plot(profile.arc_length, profile.shear, ".-", color="tab:green", label="shear traction")
+    axes.axvline(0.0, color="0.5", linewidth=0.8)
+    axes.set(
+        title=f"Along the tool, travel {frame.travel:.3f} mm",
+        xlabel="distance up the rake face from its tangent point (mm); tip and flank are negative",
+        ylabel="traction (MPa)",
+    )
+    right = axes.twinx()
+    right.plot(profile.arc_length, profile.temperature, ".-", color="tab:red", label="temperature")
+    right.set_ylabel("temperature (K)")
+    lines = [*axes.get_lines()[:2], *right.get_lines()]
+    axes.legend(lines, [str(line.get_label()) for line in lines], fontsize="small")
+    axes.grid(alpha=0.3)
+    return figure
+
+
+def _zone(view: Array, title: str) -> tuple[Figure, Axes]:
+    width, height = view[1] - view[0]
+    across = 7.0 if width >= height else max(4.5, 7.0 * width / height)
+    figure, axes = plt.subplots(
+        figsize=(across + 1.0, max(across * height / width, 3.0) + 0.6), layout="constrained"
+    )
+    axes.set(title=title, xlabel="x (mm)", ylabel="y (mm)", xlim=view[:, 0], ylim=view[:, 1])
+    axes.set_aspect("equal")
+    return figure, axes
+
+
+def _triangles(frame: Frame, view: Array) -> Triangulation:
+    """Return the triangles that the view shows, in part at least."""
+    corners = frame.points[frame.cells]
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    seen = ((high >= view[0]) & (low <= view[1])).all(axis=1)
+    return Triangulation(frame.points[:, 0], frame.points[:, 1], frame.cells[seen])
+
+
+def _draw_outline(axes: Axes, frame: Frame) -> None:
+    for loop in frame.loops:
+        closed = frame.points[np.append(loop, loop[0])]
+        axes.plot(closed[:, 0], closed[:, 1], color="black", linewidth=0.6)
+
+
+def _draw_tool(axes: Axes, frame: Frame, view: Array) -> None:
+    length = float(2.0 * np.hypot(*(view[1] - view[0])))
+    for tool in frame.tool:
+        outline = tool.outline(length)
+        far = outline[0] + outline[-1] - tool.centre
+        polygon = PolyCollection(
+            [np.vstack([outline, far])], facecolor=TOOL_COLOUR, edgecolor="black", linewidth=0.8
+        )
+        # Behind the body: a particle that penetrates by the penalty's share stays visible.
+        polygon.set_zorder(0.5)
+        axes.add_collection(polygon, autolim=False)
+
+
+def _save(figure: Figure, path: Path) -> Path:
+    temporary = path.with_name(path.name + ".tmp")
+    figure.savefig(temporary, format="png", dpi=DOTS_PER_INCH)
+    plt.close(figure)
+    os.replace(temporary, path)
+    return path
