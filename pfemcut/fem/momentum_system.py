@@ -14,6 +14,7 @@ from pfemcut.fem import runtime
 from pfemcut.fem.direct_solver import DirectSolver
 from pfemcut.fem.distribution import CellSpace, DistributedMesh, NodalSpace
 from pfemcut.pfem.momentum import ELEMENT_COMPONENTS, MomentumSymbols, momentum_forms
+from pfemcut.timing import Stopwatch
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -28,8 +29,8 @@ class MomentumKernels:
         self.domain = runtime.coordinate_domain()
         self.symbols = MomentumSymbols.on(self.domain)
         residual, jacobian = momentum_forms(self.domain, self.symbols)
-        self.residual = runtime.CompiledForm(comm, residual)
-        self.jacobian = runtime.CompiledForm(comm, jacobian)
+        self.residual = tuple(runtime.CompiledForm(comm, part) for part in residual)
+        self.jacobian = tuple(runtime.CompiledForm(comm, part) for part in jacobian)
         self.mixed = runtime.CompiledElement(comm, runtime.nodal_element(3))
         self.scalar = runtime.CompiledElement(comm, runtime.nodal_element(1))
         self.element = runtime.CompiledElement(comm, runtime.cell_element(ELEMENT_COMPONENTS))
@@ -63,14 +64,14 @@ class MomentumSystem:
         Compiled forms.
     mesh
         The configuration x_n.
-    count
-        Number of particles.
     fixed
         Unknowns (u_x, u_y, p) with prescribed increments; shape (n, 3).
     moduli
         Shear modulus, bulk modulus (MPa) and stabilisation factor.
     thermal_strain
         3 alpha (theta - theta_0) on particles; shape (n,).
+    watch
+        Times set-up, assembly and linear solves.
     """
 
     def __init__(
@@ -80,7 +81,20 @@ class MomentumSystem:
         fixed: BoolArray,
         moduli: tuple[float, float, float],
         thermal_strain: Array,
+        watch: Stopwatch,
     ):
+        self._watch = watch
+        with watch.phase("system"):
+            self._set_up(kernels, mesh, fixed, moduli, thermal_strain)
+
+    def _set_up(
+        self,
+        kernels: MomentumKernels,
+        mesh: DistributedMesh,
+        fixed: BoolArray,
+        moduli: tuple[float, float, float],
+        thermal_strain: Array,
+    ) -> None:
         symbols = kernels.symbols
         self._count = len(fixed)
         self._mixed = NodalSpace(mesh, kernels.mixed, 3)
@@ -100,10 +114,14 @@ class MomentumSystem:
             )
         }
         space = self._mixed.cpp
-        self._residual = kernels.residual.bind(mesh.cpp, [space], functions, constants)
-        self._jacobian = kernels.jacobian.bind(mesh.cpp, [space, space], functions, constants)
+        self._residual = tuple(
+            part.bind(mesh.cpp, [space], functions, constants) for part in kernels.residual
+        )
+        self._jacobian = tuple(
+            part.bind(mesh.cpp, [space, space], functions, constants) for part in kernels.jacobian
+        )
         self._fixed_rows = np.flatnonzero(fixed[self._mixed.particles].ravel()).astype(np.int32)
-        self._matrix = runtime.new_matrix(self._jacobian)
+        self._matrix = runtime.new_matrix(self._jacobian[0])
         self._matrix.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
         self._right, self._solution = self._matrix.createVecs()
         self._solver = DirectSolver(self._matrix)
@@ -123,11 +141,13 @@ class MomentumSystem:
 
     def internal_residual(self, unknown: Array, element: Array) -> Array:
         """The form's residual at ``unknown`` (n, 3) with ``element`` data (m, components); shape (n, 3)."""
-        self._mixed.load(self._unknown, unknown)
-        self._cells.load(self._element, element)
-        local = np.zeros(3 * len(self._mixed.particles))
-        runtime.assemble_vector(local, self._residual)
-        return self._accumulate(local)
+        with self._watch.phase("assembly"):
+            self._mixed.load(self._unknown, unknown)
+            self._cells.load(self._element, element)
+            local = np.zeros(3 * len(self._mixed.particles))
+            for part in self._residual:
+                runtime.assemble_vector(local, part)
+            return self._accumulate(local)
 
     def solve(self, residual: Array, nodal: NodalForces) -> tuple[Array, bool]:
         """Newton correction -K^-1 ``residual`` (n, 3) at the point of the last residual; fixed unknowns get none.
@@ -139,19 +159,21 @@ class MomentumSystem:
         solved
             Whether the factorisation succeeded.
         """
-        matrix = self._matrix
-        matrix.zeroEntries()
-        runtime.assemble_matrix(matrix, self._jacobian)
-        self._add_nodal_stiffness(nodal)
-        matrix.assemble()
-        owned_rows = self._fixed_rows[self._fixed_rows < 3 * self._mixed.owned]
-        matrix.zeroRowsColumnsLocal(owned_rows, 1.0)
-        owned = self._mixed.particles[: self._mixed.owned]
-        right = -residual[owned].ravel()
-        right[owned_rows] = 0.0
-        self._right.array[:] = right
-        solved = self._solver.solve(self._right, self._solution)
-        return self._mixed.gather(self._solution.array_r, self._count), solved
+        with self._watch.phase("assembly"):
+            matrix = self._matrix
+            matrix.zeroEntries()
+            for part in self._jacobian:
+                runtime.assemble_matrix(matrix, part)
+            self._add_nodal_stiffness(nodal)
+            matrix.assemble()
+            owned_rows = self._fixed_rows[self._fixed_rows < 3 * self._mixed.owned]
+            matrix.zeroRowsColumnsLocal(owned_rows, 1.0)
+        with self._watch.phase("linear_solve"):
+            right = -residual[self._mixed.particles[: self._mixed.owned]].ravel()
+            right[owned_rows] = 0.0
+            self._right.array[:] = right
+            solved = self._solver.solve(self._right, self._solution)
+            return self._mixed.gather(self._solution.array_r, self._count), solved
 
     def _add_nodal_stiffness(self, nodal: NodalForces) -> None:
         mine, nodes = self._mixed.local_nodes(nodal.particles, self._count)

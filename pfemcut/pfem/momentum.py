@@ -55,8 +55,14 @@ class MomentumSymbols:
         )
 
 
-def momentum_forms(domain: ufl.Mesh, symbols: MomentumSymbols) -> tuple[ufl.Form, ufl.Form]:
-    """Residual and its exact derivative with respect to the unknown."""
+Forms = tuple[ufl.Form, ...]
+
+
+def momentum_forms(domain: ufl.Mesh, symbols: MomentumSymbols) -> tuple[Forms, Forms]:
+    """Residual and its exact derivative with respect to the unknown, each as parts to be added.
+
+    A part has one quadrature rule only: ffcx 0.5 mixes up the values of a coefficient under two rules.
+    """
     space = symbols.unknown.ufl_function_space()
     test, trial = ufl.TestFunction(space), ufl.TrialFunction(space)
     v, q = ufl.as_vector((test[0], test[1])), test[2]
@@ -74,12 +80,12 @@ def momentum_forms(domain: ufl.Mesh, symbols: MomentumSymbols) -> tuple[ufl.Form
 
     one_point = ufl.Measure("dx", domain=domain, metadata={"quadrature_degree": 1})
     exact = ufl.Measure("dx", domain=domain, metadata={"quadrature_degree": 2})
-    residual = ufl.inner(stress, ufl.grad(v) * ufl.inv(f)) * one_point
-    residual += q * (dilation - p / kappa) * j * one_point
     # Exact minus one-point mass is the projection onto what the element mean leaves out.
     projection = symbols.stabilisation / mu * q * p
-    residual += projection * one_point - projection * exact
-    return residual, ufl.derivative(residual, symbols.unknown, trial)
+    balance = ufl.inner(stress, ufl.grad(v) * ufl.inv(f)) * one_point
+    balance += (q * (dilation - p / kappa) * j + projection) * one_point
+    residuals = (balance, -projection * exact)
+    return residuals, tuple(ufl.derivative(each, symbols.unknown, trial) for each in residuals)
 
 
 def _stress_deviator(f: ufl.core.expr.Expr, j: ufl.core.expr.Expr, mu: ufl.Constant, data: ufl.Coefficient):

@@ -1,0 +1,80 @@
+"""Stored energies, heat content and mass of a state, for the ledgers."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshing.mesh import Mesh, signed_areas
+from pfemcut.contact.penalty import contact_forces
+from pfemcut.materials.return_mapping import deviatoric_energy
+from pfemcut.pfem.kinematics import element_mean, lumped, tributary_lengths
+from pfemcut.pfem.mechanics import volume_ratios
+from pfemcut.pfem.state import Fields
+from pfemcut.problem import Problem
+
+Array = NDArray[np.float64]
+
+
+def elastic_energy(problem: Problem, mesh: Mesh, fields: Fields) -> float:
+    """Stored elastic energy, int (W_dev + p²/(2 kappa)) / J dV (mJ/mm)."""
+    material = problem.body.material
+    pressure = element_mean(fields.pressure, mesh.cells)
+    density = deviatoric_energy(fields.b_elastic, material.shear_modulus)
+    density += pressure**2 / (2.0 * material.bulk_modulus)
+    return float(np.sum(density / volume_ratios(material, mesh, fields) * signed_areas(mesh.points, mesh.cells)))
+
+
+def mass(problem: Problem, mesh: Mesh, fields: Fields) -> float:
+    """Mass of the body per mm of width, int rho_0 / J dV (tonne/mm)."""
+    material = problem.body.material
+    volume = signed_areas(mesh.points, mesh.cells) / volume_ratios(material, mesh, fields)
+    return material.density * float(volume.sum())
+
+
+def heat_content(problem: Problem, mesh: Mesh, fields: Fields) -> float:
+    """Heat above the initial temperature, int rho_0 / J (int c dtheta) dV with lumped capacity (mJ/mm)."""
+    material = problem.body.material
+    volume = signed_areas(mesh.points, mesh.cells) / volume_ratios(material, mesh, fields)
+    nodal_mass = lumped(material.density * volume, mesh.cells, len(mesh.points))
+    return float(np.sum(nodal_mass * _enthalpy(problem, fields.temperature)))
+
+
+def _enthalpy(problem: Problem, temperature: Array) -> Array:
+    """int c dtheta from the initial temperature (mm²/s²), exact for the piecewise linear c; same shape."""
+    capacity = problem.body.material.capacity
+    start = problem.body.temperature
+    if len(capacity.temperatures) == 1:
+        return capacity.values[0] * (temperature - start)
+    knots = np.unique(np.concatenate([[start], capacity.temperatures, [0.0, 1e4]]))
+    values = capacity(knots)
+    integral = np.concatenate([[0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(knots))])
+
+    def primitive(at: Array) -> Array:
+        piece = np.clip(np.searchsorted(knots, at, side="right") - 1, 0, len(knots) - 2)
+        return integral[piece] + 0.5 * (values[piece] + capacity(at)) * (at - knots[piece])
+
+    return primitive(temperature) - primitive(np.array([start]))
+
+
+def kinetic_energy(problem: Problem, mesh: Mesh, fields: Fields, step: float) -> float:
+    """Kinetic energy with lumped mass (mJ/mm); ``step`` is the length of the last step (s)."""
+    material = problem.body.material
+    volume = signed_areas(mesh.points, mesh.cells) / volume_ratios(material, mesh, fields)
+    nodal_mass = lumped(material.density * volume, mesh.cells, len(mesh.points))
+    return 0.5 * float(np.sum(nodal_mass[:, None] * (fields.last_displacement / step) ** 2))
+
+
+def contact_energy(problem: Problem, mesh: Mesh, time: float) -> float:
+    """Energy stored in the penalty springs (mJ/mm)."""
+    particles = np.unique(mesh.boundary.particles)
+    lengths = tributary_lengths(mesh.points, mesh.boundary.edges, len(mesh.points))[particles]
+    positions = mesh.points[particles]
+    return sum(
+        float(
+            contact_forces(
+                tool.at(time), problem.contact, positions, np.zeros_like(positions), lengths, 1.0
+            ).energy.sum()
+        )
+        for tool in problem.tool
+    )

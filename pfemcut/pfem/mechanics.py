@@ -1,0 +1,282 @@
+"""The mechanical half of a time step: momentum solve, then the implicit constitutive update (paper, Box 4)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshing.mesh import Mesh, signed_areas
+from pfemcut.contact.penalty import ContactForces, contact_forces
+from pfemcut.fem.distribution import DistributedMesh
+from pfemcut.fem.momentum_system import MomentumKernels, MomentumSystem, NodalForces
+from pfemcut.materials.material import Material
+from pfemcut.materials.return_mapping import (
+    Multiplier,
+    Trial,
+    elastic_strain,
+    elastic_trial,
+    extrapolated_multiplier,
+    implicit_multiplier,
+    returned_deviator,
+)
+from pfemcut.materials.volumetric import volume_ratio_from_pressure
+from pfemcut.pfem.kinematics import (
+    deformation_gradient,
+    element_mean,
+    lumped,
+    shape_gradients,
+    tributary_lengths,
+)
+from pfemcut.pfem.newton import Linearisation, solve_momentum
+from pfemcut.pfem.state import Fields
+from pfemcut.problem import Axis, Integrator, Problem
+from pfemcut.timing import Stopwatch
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+_ROOT_2_3 = np.sqrt(2.0 / 3.0)
+_NEGLIGIBLE_STRESS = 1e-3  # of the initial flow stress: scale of a force that counts before there is contact
+
+
+@dataclass(frozen=True)
+class ContactResult:
+    """Contact at the end of a step: candidate particles, and the forces on them."""
+
+    particles: IntArray
+    forces: ContactForces
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Outcome of the momentum solve.
+
+    Attributes
+    ----------
+    displacement
+        Over the step (mm); (n, 2).
+    pressure
+        Cauchy pressure (MPa); (n,).
+    reactions
+        Forces of prescribed motions on the body (N/mm); (n, 2).
+    contact
+        One entry for each tool.
+    volume_ratio
+        J at the end of the step; (m,).
+    trial
+        Elastic trial state at the solution.
+    multiplier
+        Multiplier that the momentum solve saw; (m,).
+    iterations
+        Linear solves.
+    """
+
+    displacement: Array
+    pressure: Array
+    reactions: Array
+    contact: tuple[ContactResult, ...]
+    volume_ratio: Array
+    trial: Trial
+    multiplier: Array
+    iterations: int
+
+
+@dataclass(frozen=True)
+class PlasticUpdate:
+    """Implicit internal variables at the end of a step.
+
+    Attributes
+    ----------
+    b_elastic, eqps, multiplier_rate
+        See :class:`pfemcut.pfem.state.Fields`.
+    eqps_increment
+        (m,).
+    flow_stress
+        MPa; (m,).
+    """
+
+    b_elastic: Array
+    eqps: Array
+    multiplier_rate: Array
+    eqps_increment: Array
+    flow_stress: Array
+
+
+def thermal_strain(material: Material, temperature: Array) -> Array:
+    """e = 3 alpha (theta - theta_0) of the temperature (K); same shape."""
+    return 3.0 * material.expansion(temperature) * (temperature - material.reference_temperature)
+
+
+def volume_ratios(material: Material, mesh: Mesh, fields: Fields) -> Array:
+    """J at the Gauss points, recomputed from the particles' pressure and the temperature it belongs to; (m,)."""
+    pressure = element_mean(fields.pressure, mesh.cells)
+    strain = element_mean(thermal_strain(material, fields.momentum_temperature), mesh.cells)
+    return volume_ratio_from_pressure(pressure / material.bulk_modulus, strain)
+
+
+def prescribed_increments(problem: Problem, mesh: Mesh, step: float) -> tuple[BoolArray, Array]:
+    """Which unknowns (u_x, u_y, p) are prescribed and to what over ``step`` (s); both (n, 3)."""
+    fixed = np.zeros((len(mesh.points), 3), dtype=bool)
+    value = np.zeros((len(mesh.points), 3))
+    for motion in problem.motions:
+        particles = part_particles(problem, mesh, motion.part)
+        component = 0 if motion.axis is Axis.X else 1
+        fixed[particles, component] = True
+        value[particles, component] = motion.velocity * step
+    return fixed, value
+
+
+def part_particles(problem: Problem, mesh: Mesh, part: str) -> IntArray:
+    """Particles on the boundary edges of ``part``."""
+    numbers = [i for i, name in enumerate(problem.body.parts) if name == part]
+    return np.unique(mesh.boundary.edges[np.isin(mesh.boundary.parts, numbers)])
+
+
+def solve_motion(
+    problem: Problem,
+    kernels: MomentumKernels,
+    distributed: DistributedMesh,
+    mesh: Mesh,
+    fields: Fields,
+    *,
+    start_time: float,
+    step: float,
+    last_step: float,
+    watch: Stopwatch,
+) -> Motion:
+    """Contact search and momentum solve over ``step`` (s) from the configuration of ``mesh``.
+
+    Raises
+    ------
+    pfemcut.pfem.newton.StepFailed
+        If the step is too long.
+    """
+    material = problem.body.material
+    cells, count = mesh.cells, len(mesh.points)
+    gradients = shape_gradients(mesh.points, cells)
+    areas = signed_areas(mesh.points, cells)
+    ratio = volume_ratios(material, mesh, fields)
+    temperature = element_mean(fields.temperature, cells)
+    candidates = np.unique(mesh.boundary.particles)
+    lengths = tributary_lengths(mesh.points, mesh.boundary.edges, count)[candidates]
+    tools = tuple((tool, tool.at(start_time + step)) for tool in problem.tool)
+    # Lumped mass of the backward-Euler inertia term m (u / dt - v) / dt; zero in a quasi-static run.
+    mass = lumped(areas * material.density / ratio, cells, count) * float(problem.time.inertia)
+    velocity = fields.last_displacement / last_step
+
+    def kinematics(unknown: Array) -> tuple[Trial, Multiplier]:
+        trial = elastic_trial(
+            fields.b_elastic,
+            deformation_gradient(gradients, cells, unknown[:, :2]),
+            material.shear_modulus,
+        )
+        if problem.time.integrator is Integrator.IMPLICIT:
+            multiplier = implicit_multiplier(trial, material.hardening, fields.eqps, temperature, step)
+        else:
+            multiplier = extrapolated_multiplier(trial, fields.multiplier_rate, step)
+        return trial, multiplier
+
+    def contacts(unknown: Array) -> tuple[ContactResult, ...]:
+        displacement = unknown[candidates, :2]
+        return tuple(
+            ContactResult(
+                candidates,
+                contact_forces(
+                    shape,
+                    problem.contact,
+                    mesh.points[candidates] + displacement,
+                    displacement - step * np.asarray(tool.velocity),
+                    lengths,
+                    step,
+                ),
+            )
+            for tool, shape in tools
+        )
+
+    def linearise(unknown: Array) -> Linearisation:
+        trial, multiplier = kinematics(unknown)
+        element = np.column_stack(
+            [
+                fields.b_elastic,
+                ratio,
+                multiplier.value,
+                multiplier.by_norm,
+                multiplier.by_mu_bar,
+                trial.norm,
+                trial.mu_bar,
+            ]
+        )
+        nodal = _nodal_forces(contacts(unknown), unknown, mass, velocity, step)
+        return Linearisation(element, nodal, float(trial.jacobian.min()))
+
+    fixed, value = prescribed_increments(problem, mesh, step)
+    start = np.column_stack([fields.last_displacement * (step / last_step), fields.pressure])
+    start[fixed] = value[fixed]
+    yield_stress = float(
+        material.hardening.flow_stress(np.zeros(1), np.zeros(1), np.array([problem.body.temperature])).value[0]
+    )
+    moduli = (material.shear_modulus, material.bulk_modulus, problem.stabilisation)
+    strain = thermal_strain(material, fields.temperature)
+    size = np.sqrt(lumped(areas, cells, count))
+    with MomentumSystem(kernels, distributed, fixed, moduli, strain, watch) as system:
+        solution = solve_momentum(
+            system,
+            linearise,
+            start,
+            fixed,
+            material.bulk_modulus / size,
+            _NEGLIGIBLE_STRESS * yield_stress * float(size.min()),
+            problem.newton,
+        )
+    trial, multiplier = kinematics(solution.unknown)
+    return Motion(
+        displacement=solution.unknown[:, :2].copy(),
+        pressure=solution.unknown[:, 2].copy(),
+        reactions=np.where(fixed[:, :2], solution.reactions, 0.0),
+        contact=contacts(solution.unknown),
+        volume_ratio=trial.jacobian * ratio,
+        trial=trial,
+        multiplier=multiplier.value,
+        iterations=solution.iterations,
+    )
+
+
+def _nodal_forces(
+    contact: tuple[ContactResult, ...], unknown: Array, mass: Array, velocity: Array, step: float
+) -> NodalForces:
+    """Contact and inertia forces on the particles that have any."""
+    particles, forces, stiffness = [], [], []
+    for each in contact:
+        touching = each.forces.normal_force > 0.0
+        particles.append(each.particles[touching])
+        forces.append(each.forces.forces[touching])
+        stiffness.append(each.forces.stiffness[touching])
+    if mass.any():
+        particles.append(np.arange(len(mass)))
+        forces.append(-(mass / step)[:, None] * (unknown[:, :2] / step - velocity))
+        stiffness.append((mass / step**2)[:, None, None] * np.eye(2))
+    if not particles:
+        return NodalForces(np.empty(0, dtype=np.int64), np.empty((0, 2)), np.empty((0, 2, 2)))
+    return NodalForces(np.concatenate(particles), np.concatenate(forces), np.concatenate(stiffness))
+
+
+def update_plasticity(problem: Problem, mesh: Mesh, fields: Fields, motion: Motion, step: float) -> PlasticUpdate:
+    """Backward-Euler return mapping at the solved displacement and the temperature of the start of the step."""
+    material = problem.body.material
+    temperature = element_mean(fields.temperature, mesh.cells)
+    multiplier = implicit_multiplier(
+        motion.trial, material.hardening, fields.eqps, temperature, step
+    ).value
+    increment = _ROOT_2_3 * multiplier
+    eqps = fields.eqps + increment
+    deviator = returned_deviator(motion.trial, multiplier)
+    return PlasticUpdate(
+        b_elastic=elastic_strain(deviator, material.shear_modulus),
+        eqps=eqps,
+        multiplier_rate=multiplier / step,
+        eqps_increment=increment,
+        flow_stress=material.hardening.flow_stress(eqps, increment / step, temperature).value,
+    )

@@ -1,0 +1,215 @@
+"""The PFEM as a method: the verbs that the driver calls (see :mod:`pfemcut.method`)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+from meshing.initial import polygon_mesh
+from pfemcut.contact.penalty import ContactForces, contact_forces
+from pfemcut.materials.return_mapping import tensor_norm
+from pfemcut.method import ContactView, Frame, Measures
+from pfemcut.pfem import energies
+from pfemcut.pfem.kinematics import element_mean, tributary_lengths
+from pfemcut.pfem.mechanics import volume_ratios
+from pfemcut.pfem.state import Clock, Ledger, State, from_arrays, initial_fields, to_arrays
+from pfemcut.pfem.step import PHASES, Kernels, StepRecord, advance
+from pfemcut.problem import Problem
+from pfemcut.timing import Stopwatch
+
+Array = NDArray[np.float64]
+
+_ROOT_2_3 = np.sqrt(2.0 / 3.0)
+_ROOT_3_2 = np.sqrt(1.5)
+_NO_STEP = StepRecord(np.zeros(2), 0, 0, 0, 0, 0, 0.0)
+
+
+class PfemMethod:
+    """A PFEM run: its problem, its state and the record of its last step."""
+
+    def __init__(self, problem: Problem, state: State):
+        self._problem = problem
+        self._kernels = Kernels(MPI.COMM_WORLD)
+        self._state = state
+        self._record = _NO_STEP
+        self._watch = Stopwatch(PHASES)
+
+    @classmethod
+    def start(cls, problem: Problem) -> PfemMethod:
+        """A run at time zero, with a new mesh."""
+        body = problem.body
+        # Every rank must hold the same bits, so one meshes for all.
+        mesh = MPI.COMM_WORLD.bcast(
+            polygon_mesh(np.asarray(body.outline), problem.particles.sizes, np.arange(len(body.parts)))
+            if MPI.COMM_WORLD.rank == 0
+            else None
+        )
+        fields = initial_fields(mesh, body.temperature)
+        first = problem.time.first_step_fraction * problem.time.step
+        clock = Clock(step=0, time=0.0, last_dt=first, next_dt=first)
+        return cls(problem, State(mesh, fields, clock, Ledger(), energies.mass(problem, mesh, fields)))
+
+    @classmethod
+    def restore(cls, problem: Problem, arrays: Mapping[str, NDArray[np.generic]]) -> PfemMethod:
+        """The run whose :meth:`state` gave ``arrays``."""
+        return cls(problem, from_arrays(arrays))
+
+    @property
+    def finished(self) -> bool:
+        """Whether the final time is reached."""
+        return self._state.clock.time >= self._problem.time.end * (1.0 - 1e-12)
+
+    @property
+    def current(self) -> State:
+        """Mesh, fields, clock and ledger after the last step."""
+        return self._state
+
+    @property
+    def record(self) -> StepRecord:
+        """Record of the last step."""
+        return self._record
+
+    def advance(self) -> None:
+        """Advance one step (see :func:`pfemcut.pfem.step.advance` for its errors)."""
+        self._watch = Stopwatch(PHASES)
+        self._state, self._record = advance(self._problem, self._kernels, self._state, self._watch)
+
+    def measure(self) -> Measures:
+        """Core history columns after the last step."""
+        problem, state = self._problem, self._state
+        mesh, fields, clock, ledger = state.mesh, state.fields, state.clock, state.ledger
+        elastic = energies.elastic_energy(problem, mesh, fields)
+        kinetic = energies.kinetic_energy(problem, mesh, fields, clock.last_dt)
+        contact = self._contact_view()
+        return Measures(
+            step=clock.step,
+            time=clock.time,
+            dt=clock.last_dt,
+            travel=self._travel,
+            cutting_force=float(self._record.tool_force[0]),
+            thrust_force=float(self._record.tool_force[1]),
+            contact_length=float(contact.arc_length.max(initial=0.0)),
+            max_temperature=float(fields.temperature.max()),
+            max_eqps=float(fields.eqps.max()),
+            tool_work=ledger.tool_work,
+            plastic_work=ledger.plastic,
+            friction_work=ledger.friction,
+            elastic_energy=elastic,
+            kinetic_energy=kinetic,
+            energy_error=self._energy_error(elastic, kinetic),
+            nodes=len(mesh.points),
+        )
+
+    def own_measures(self) -> Mapping[str, float]:
+        """History columns of the PFEM: ledgers, drifts and counts."""
+        problem, state, record = self._problem, self._state, self._record
+        ledger = state.ledger
+        content = energies.heat_content(problem, state.mesh, state.fields)
+        supplied = ledger.heat_generated + ledger.heat_supplied
+        cut_area = sum(cut.depth for cut in problem.cut) * self._travel
+        return {
+            "elements": len(state.mesh.cells),
+            "inserted": record.inserted,
+            "removed": record.removed,
+            "changed_elements": record.changed,
+            "outside_gauss_points": record.outside,
+            "newton_iterations": record.newton_iterations,
+            "step_cuts": ledger.step_cuts,
+            "plastic_power": record.plastic_power,
+            "thermoelastic_work": ledger.thermoelastic,
+            "contact_energy": ledger.contact,
+            "remeshing_energy": ledger.remeshing,
+            "boundary_work": ledger.boundary_work,
+            "heat_content": content,
+            "heat_generated": ledger.heat_generated,
+            "heat_supplied": ledger.heat_supplied,
+            "heat_remeshing": ledger.heat_remeshing,
+            "heat_error": (supplied - content) / supplied if supplied else 0.0,
+            "area_drift": ledger.area_drift / cut_area if cut_area else 0.0,
+            "mass_drift": energies.mass(problem, state.mesh, state.fields) / state.initial_mass - 1.0,
+        }
+
+    def timing(self) -> Mapping[str, float]:
+        """Wall seconds of the last step by phase; ``momentum`` is what its own phases leave."""
+        seconds = dict(self._watch.seconds)
+        seconds["momentum"] -= seconds["system"] + seconds["assembly"] + seconds["linear_solve"]
+        return seconds
+
+    def frame(self) -> Frame:
+        """Fields after the last step."""
+        problem, state = self._problem, self._state
+        mesh, fields = state.mesh, state.fields
+        material = problem.body.material
+        ratio = volume_ratios(material, mesh, fields)
+        deviator = fields.b_elastic.copy()
+        deviator[:, :3] -= deviator[:, :3].mean(axis=1, keepdims=True)
+        deviator *= (material.shear_modulus / ratio)[:, None]
+        stress = deviator.copy()
+        stress[:, :3] += element_mean(fields.pressure, mesh.cells)[:, None]
+        return Frame(
+            step=state.clock.step,
+            time=state.clock.time,
+            travel=self._travel,
+            points=mesh.points,
+            cells=mesh.cells,
+            loops=mesh.boundary.loops,
+            point_fields={
+                "velocity": fields.last_displacement / state.clock.last_dt,
+                "pressure": fields.pressure,
+                "temperature": fields.temperature,
+                "particle_id": mesh.ids,
+            },
+            cell_fields={
+                "equivalent_plastic_strain": fields.eqps,
+                "equivalent_plastic_strain_rate": _ROOT_2_3 * fields.multiplier_rate,
+                "von_mises": _ROOT_3_2 * tensor_norm(deviator),
+                "cauchy_stress": stress,
+                "plastic_power": fields.plastic_power,
+            },
+            tool=tuple(tool.at(state.clock.time) for tool in problem.tool),
+            contact=self._contact_view(),
+        )
+
+    def state(self) -> Mapping[str, NDArray[np.generic]]:
+        """All arrays that :meth:`restore` needs."""
+        return to_arrays(self._state)
+
+    @property
+    def _travel(self) -> float:
+        speed = max((float(np.hypot(*tool.velocity)) for tool in self._problem.tool), default=0.0)
+        return speed * self._state.clock.time
+
+    def _energy_error(self, elastic: float, kinetic: float) -> float:
+        """(W - sinks) / W, with the work of the tool and of prescribed motions."""
+        ledger = self._state.ledger
+        work = ledger.tool_work + ledger.boundary_work
+        sinks = ledger.plastic + ledger.friction + elastic + ledger.thermoelastic
+        sinks += ledger.contact + ledger.remeshing
+        if self._problem.time.inertia:
+            sinks += kinetic
+        return (work - sinks) / work if work else 0.0
+
+    def _contact_view(self) -> ContactView:
+        problem, state = self._problem, self._state
+        mesh = state.mesh
+        particles = np.unique(mesh.boundary.particles)
+        lengths = tributary_lengths(mesh.points, mesh.boundary.edges, len(mesh.points))[particles]
+        for tool in problem.tool:
+            shape = tool.at(state.clock.time)
+            slip = state.fields.last_displacement[particles] - state.clock.last_dt * np.asarray(tool.velocity)
+            found: ContactForces = contact_forces(
+                shape, problem.contact, mesh.points[particles], slip, lengths, state.clock.last_dt
+            )
+            touching = found.normal_force > 0.0
+            loaded = particles[touching]
+            return ContactView(
+                loaded,
+                shape.arc_length(mesh.points[loaded]),
+                found.normal_force[touching] / lengths[touching],
+                np.abs(found.shear_force[touching]) / lengths[touching],
+            )
+        empty = np.empty(0)
+        return ContactView(np.empty(0, dtype=np.int64), empty, empty, empty)

@@ -1,0 +1,124 @@
+"""The particle step of a time step: where the solution asks for particles, and the remesh (paper, Box 1)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshing.mesh import Mesh, signed_areas
+from meshing.remesh import RemeshMap, SpacingRules, remesh
+from meshing.sizes import SizeField
+from pfemcut.pfem.state import Fields
+from pfemcut.problem import ParticleControls, Problem
+from pfemcut.tools.rigid_wedge import RigidWedge
+
+Array = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+_HOT = 0.25  # score above which plastic power keeps its particles: hysteresis against removal
+_HOT_REMOVAL = 0.4  # removal distance there, relative to the refined spacing, below the insertion distance
+_CONTACT_EDGE = 0.1  # an edge whose ends are closer to the tool than this times its length lies on it
+
+
+def remesh_particles(
+    problem: Problem, mesh: Mesh, fields: Fields, time: float
+) -> tuple[Mesh, RemeshMap]:
+    """Remove and insert particles and triangulate anew, at ``time`` (s).
+
+    Raises
+    ------
+    meshing.triangulation.BoundaryCrossing
+        If the body overlaps itself.
+    """
+    controls = problem.particles
+    sizes = sizes_at(problem, time)
+    tools = tuple(tool.at(time) for tool in problem.tool)
+    score = plastic_power_score(mesh, fields, controls)
+    locked = supported_particles(problem, mesh)
+    return remesh(
+        mesh,
+        sizes,
+        spacing_rules(controls),
+        refine_score=score,
+        removal_scale=_removal_scale(mesh, score, controls),
+        locked=locked,
+        free=_free_particles(mesh, tools, sizes, locked),
+        place_boundary=lambda a, b: _place_on_surface(a, b, tools),
+    )
+
+
+def sizes_at(problem: Problem, time: float) -> SizeField:
+    """The size field at ``time`` (s), carried along by the tool if it follows it."""
+    controls = problem.particles
+    if not (controls.sizes_follow_tool and problem.tool):
+        return controls.sizes
+    return controls.sizes.moved(time * np.asarray(problem.tool[0].velocity))
+
+
+def spacing_rules(controls: ParticleControls) -> SpacingRules:
+    """The controls that concern distances."""
+    return SpacingRules(
+        boundary_split=controls.boundary_split,
+        boundary_removal=controls.boundary_removal,
+        interior_radius=controls.interior_radius,
+        interior_area=controls.interior_area,
+        interior_spacing=controls.interior_spacing,
+        interior_removal=controls.interior_removal,
+        power_smallest=controls.power_smallest,
+        insert=controls.insert,
+        remove=controls.remove,
+    )
+
+
+def plastic_power_score(mesh: Mesh, fields: Fields, controls: ParticleControls) -> Array:
+    """Plastic power of each element over its tolerance, the left side of eq. 1 over the right; shape (m,)."""
+    power = fields.plastic_power * signed_areas(mesh.points, mesh.cells)
+    total = float(power.sum())
+    if total <= 0.0:
+        return np.zeros(len(power))
+    return power / (controls.power_tolerance * total)
+
+
+def supported_particles(problem: Problem, mesh: Mesh) -> BoolArray:
+    """Particles with a prescribed motion and their neighbours on the boundary; shape (n,)."""
+    names = {motion.part for motion in problem.motions}
+    numbers = [i for i, name in enumerate(problem.body.parts) if name in names]
+    boundary = mesh.boundary
+    held = np.isin(boundary.parts, numbers)
+    entry = held | held[boundary.preceding]
+    entry = entry | entry[boundary.preceding] | entry[boundary.following]
+    supported = np.zeros(len(mesh.points), dtype=bool)
+    supported[boundary.particles[entry]] = True
+    return supported
+
+
+def _removal_scale(mesh: Mesh, score: Array, controls: ParticleControls) -> Array:
+    scale = np.ones(len(mesh.points))
+    scale[mesh.cells[score > _HOT]] = _HOT_REMOVAL * controls.power_smallest / controls.interior_removal
+    return scale
+
+
+def _free_particles(
+    mesh: Mesh, tools: tuple[RigidWedge, ...], sizes: SizeField, locked: BoolArray
+) -> BoolArray:
+    """Boundary particles away from tools and supports, which may shift to keep the area; shape (n,)."""
+    free = np.zeros(len(mesh.points), dtype=bool)
+    particles = mesh.boundary.particles
+    free[particles] = ~locked[particles]
+    for tool in tools:
+        free[particles] &= tool.closest(mesh.points[particles]).gap > sizes(mesh.points[particles])
+    return free
+
+
+def _place_on_surface(a: Array, b: Array, tools: tuple[RigidWedge, ...]) -> Array:
+    """Middles of the edges a-b, moved off the tool: on it to the mean gap of the ends, elsewhere out of it."""
+    middle = 0.5 * (a + b)
+    length = np.hypot(*(b - a).T)
+    for tool in tools:
+        gap_a, gap_b = tool.closest(a).gap, tool.closest(b).gap
+        at_middle = tool.closest(middle)
+        on_tool = np.maximum(np.abs(gap_a), np.abs(gap_b)) < _CONTACT_EDGE * length
+        target = np.where(on_tool, 0.5 * (gap_a + gap_b), 0.0)
+        lift = np.maximum(target - at_middle.gap, 0.0)
+        middle = middle + lift[:, None] * at_middle.normal
+    return middle

@@ -1,0 +1,265 @@
+"""One time step of the PFEM, which reads like the method (paper, Boxes 1, 3 and 4)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+from meshing.mesh import Mesh, signed_areas
+from meshing.remesh import RemeshMap
+from meshing.triangulation import BoundaryCrossing
+from pfemcut.fem.distribution import DistributedMesh
+from pfemcut.fem.heat_system import HeatKernels
+from pfemcut.fem.momentum_system import MomentumKernels
+from pfemcut.method import CutEnded, RunStopped
+from pfemcut.pfem import energies
+from pfemcut.pfem.kinematics import element_mean
+from pfemcut.pfem.mechanics import Motion, PlasticUpdate, solve_motion, thermal_strain, update_plasticity
+from pfemcut.pfem.newton import StepFailed
+from pfemcut.pfem.particles import remesh_particles
+from pfemcut.pfem.state import Clock, Fields, Ledger, State
+from pfemcut.pfem.thermal import Heating, solve_heat
+from pfemcut.pfem.transfer import transfer_fields
+from pfemcut.problem import HeatSource, Problem
+from pfemcut.timing import Stopwatch
+
+Array = NDArray[np.float64]
+
+PHASES = ("particles", "transfer", "mesh", "system", "assembly", "linear_solve", "momentum", "plasticity", "heat", "ledger")
+_ROOT_2_3 = np.sqrt(2.0 / 3.0)
+
+
+class Kernels:
+    """Compiled forms of a run."""
+
+    def __init__(self, comm: MPI.Comm):
+        self.comm = comm
+        self.momentum = MomentumKernels(comm)
+        self.heat = HeatKernels(comm)
+
+
+@dataclass(frozen=True)
+class StepRecord:
+    """What the last step leaves for the history besides the state.
+
+    Attributes
+    ----------
+    tool_force
+        Force on the tool (N/mm); (2,).
+    inserted, removed, changed, outside
+        Particles inserted and removed, elements that changed, Gauss points outside the old mesh.
+    newton_iterations
+        Linear solves of the momentum equation.
+    plastic_power
+        Total (mW/mm).
+    """
+
+    tool_force: Array
+    inserted: int
+    removed: int
+    changed: int
+    outside: int
+    newton_iterations: int
+    plastic_power: float
+
+
+def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) -> tuple[State, StepRecord]:
+    """Advance ``state`` by one time step.
+
+    Raises
+    ------
+    RunStopped
+        If even the smallest step fails.
+    CutEnded
+        If the body touches itself.
+    """
+    # Box 1: the particles are where the last step moved them; remove, insert, triangulate, transfer.
+    mesh, fields, remesh_map = _particle_step(problem, state, watch)
+    step = min(state.clock.next_dt, problem.time.end - state.clock.time)
+    cuts = 0
+    while True:
+        with watch.phase("mesh"):
+            distributed = DistributedMesh(
+                kernels.comm, mesh.points, mesh.cells, kernels.momentum.domain
+            )
+        # Box 4, steps 1 and 2: contact search and momentum, with the extrapolated multiplier.
+        try:
+            with watch.phase("momentum"):
+                motion = solve_motion(
+                    problem,
+                    kernels.momentum,
+                    distributed,
+                    mesh,
+                    fields,
+                    start_time=state.clock.time,
+                    step=step,
+                    last_step=state.clock.last_dt,
+                    watch=watch,
+                )
+            break
+        except StepFailed as failure:
+            step, cuts = 0.5 * step, cuts + 1
+            if step < problem.time.smallest_step_fraction * problem.time.step:
+                raise RunStopped(_why(problem, state, mesh, fields, step, failure)) from failure
+    # Box 4, step 4: implicit update of the internal variables, at the temperature of the start of the step.
+    with watch.phase("plasticity"):
+        plastic = update_plasticity(problem, mesh, fields, motion, step)
+    # Box 4, step 3: heat on the updated configuration.
+    with watch.phase("heat"):
+        moved = replace(mesh, points=mesh.points + motion.displacement)
+        distributed.move(moved.points)
+        power = _plastic_power(problem, fields, motion, plastic, step)
+        heating = solve_heat(
+            problem,
+            kernels.heat,
+            distributed,
+            moved,
+            fields.temperature,
+            motion.volume_ratio,
+            _heating_power(problem, motion, plastic, power, step),
+            motion.contact,
+            step,
+        )
+    with watch.phase("ledger"):
+        new_fields = Fields(
+            temperature=fields.temperature + heating.increment,
+            momentum_temperature=fields.temperature,
+            pressure=motion.pressure,
+            last_displacement=motion.displacement,
+            b_elastic=plastic.b_elastic,
+            eqps=plastic.eqps,
+            multiplier_rate=plastic.multiplier_rate,
+            plastic_power=power,
+        )
+        record, ledger = _record(problem, state, mesh, fields, moved, motion, power, heating, remesh_map, step)
+        ledger = ledger.plus(
+            step_cuts=cuts, **_remeshing_amounts(problem, state, mesh, fields, remesh_map)
+        )
+    clock = Clock(
+        step=state.clock.step + 1,
+        time=state.clock.time + step,
+        last_dt=step,
+        next_dt=min(problem.time.growth * step, problem.time.step),
+    )
+    return State(moved, new_fields, clock, ledger, state.initial_mass), record
+
+
+def _particle_step(
+    problem: Problem, state: State, watch: Stopwatch
+) -> tuple[Mesh, Fields, tuple[RemeshMap, ...]]:
+    if not problem.particles.remesh:
+        return state.mesh, state.fields, ()
+    with watch.phase("particles"):
+        try:
+            mesh, remesh_map = remesh_particles(problem, state.mesh, state.fields, state.clock.time)
+        except BoundaryCrossing as crossing:
+            raise CutEnded(f"{problem.body.name} touches itself: {crossing}") from crossing
+    with watch.phase("transfer"):
+        fields = transfer_fields(state.fields, state.mesh, remesh_map)
+    return mesh, fields, (remesh_map,)
+
+
+def _why(
+    problem: Problem, state: State, mesh: Mesh, fields: Fields, step: float, failure: StepFailed
+) -> str:
+    speed = np.hypot(*(fields.last_displacement / state.clock.last_dt).T)
+    x, y = mesh.points[int(np.argmax(speed))]
+    return (
+        f"step {state.clock.step + 1} at t = {state.clock.time:.6g} s failed down to dt = {step:.3g} s: {failure}; "
+        f"the fastest particle is at ({x:.4f}, {y:.4f}) mm with {speed.max():.4g} mm/s"
+    )
+
+
+def _plastic_power(
+    problem: Problem, fields: Fields, motion: Motion, plastic: PlasticUpdate, step: float
+) -> Array:
+    """Plastic power of the implicit state per current volume (mW/mm³); (m,)."""
+    return plastic.flow_stress * plastic.eqps_increment / (motion.volume_ratio * step)
+
+
+def _heating_power(
+    problem: Problem, motion: Motion, plastic: PlasticUpdate, power: Array, step: float
+) -> Array:
+    """Plastic power that heats: of the implicit multiplier, or of the extrapolated one as in the paper's Box 4."""
+    if problem.time.heat_source is HeatSource.IMPLICIT:
+        return power
+    return plastic.flow_stress * _ROOT_2_3 * motion.multiplier / (motion.volume_ratio * step)
+
+
+def _record(
+    problem: Problem,
+    state: State,
+    mesh: Mesh,
+    fields: Fields,
+    moved: Mesh,
+    motion: Motion,
+    power: Array,
+    heating: Heating,
+    remesh_map: tuple[RemeshMap, ...],
+    step: float,
+) -> tuple[StepRecord, Ledger]:
+    """History record of the step, and the ledger with the step's work and heat."""
+    material = problem.body.material
+    areas = signed_areas(moved.points, moved.cells)
+    total_power = float(np.sum(power * areas))
+    # The work is done on the way from one force to the next: with the force at the end (backward Euler, as the
+    # weak form has it) the rectangle is consistent with the dissipation of the same step.
+    force = np.zeros(2)
+    work = friction = spring = 0.0
+    for tool, result in zip(problem.tool, motion.contact, strict=True):
+        on_body = result.forces.forces.sum(axis=0)
+        force -= on_body
+        work += float(on_body @ np.asarray(tool.velocity)) * step
+        friction += float(result.forces.friction_power.sum()) * step
+        spring += float(result.forces.energy.sum())
+    warming = element_mean(
+        thermal_strain(material, fields.temperature) - thermal_strain(material, fields.momentum_temperature),
+        mesh.cells,
+    )
+    pressure = element_mean(motion.pressure, mesh.cells)
+    ledger = state.ledger.plus(
+        tool_work=work,
+        plastic=total_power * step,
+        friction=friction,
+        thermoelastic=float(np.sum(pressure * warming * areas)),
+        contact=spring - energies.contact_energy(problem, mesh, state.clock.time),
+        boundary_work=float(np.sum(motion.reactions * motion.displacement)),
+        heat_generated=heating.generated,
+        heat_supplied=heating.supplied,
+    )
+    record = StepRecord(
+        tool_force=force,
+        inserted=sum(len(each.inserted_cells) for each in remesh_map),
+        removed=sum(each.removed for each in remesh_map),
+        changed=sum(int((~each.unchanged).sum()) for each in remesh_map),
+        outside=sum(each.outside for each in remesh_map),
+        newton_iterations=motion.iterations,
+        plastic_power=total_power,
+    )
+    return record, ledger
+
+
+def _remeshing_amounts(
+    problem: Problem, state: State, mesh: Mesh, fields: Fields, remesh_map: tuple[RemeshMap, ...]
+) -> dict[str, float]:
+    """What the transfer changed: stored energy, penalty energy, heat content, area and counts."""
+    amounts: dict[str, float] = {}
+    for each in remesh_map:
+        energy = energies.elastic_energy(problem, mesh, fields)
+        heat = energies.heat_content(problem, mesh, fields)
+        spring = energies.contact_energy(problem, mesh, state.clock.time)
+        amounts = {
+            "remeshing": energy
+            + spring
+            - energies.elastic_energy(problem, state.mesh, state.fields)
+            - energies.contact_energy(problem, state.mesh, state.clock.time),
+            "heat_remeshing": heat - energies.heat_content(problem, state.mesh, state.fields),
+            "area_drift": each.area_after - each.area_before,
+            "inserted": len(each.inserted_cells),
+            "removed": each.removed,
+            "outside": each.outside,
+        }
+    return amounts
