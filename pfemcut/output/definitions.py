@@ -115,7 +115,7 @@ def chip_thickness(axes: Axes) -> None:
         axes.plot(*np.array([a, b]).T, color="tab:red", linewidth=0.7)
     axes.annotate("", _pair(outer[3]), _pair(inner[3]), arrowprops=DIMENSION)
     axes.text(
-        *(inner[3] + [-0.15, -0.05]), "chip thickness\n(mean)", color="tab:red", ha="right", va="center"
+        *_pair(inner[3] + [-0.15, -0.05]), "chip thickness\n(mean)", color="tab:red", ha="right", va="center"
     )
     surface = LOWEST[1] + DEPTH
     dimension(axes, np.array([-3.6, LOWEST[1]]), np.array([-3.6, surface]), "depth", np.array([0.4, 0.0]))

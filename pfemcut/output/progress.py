@@ -12,7 +12,7 @@ from types import TracebackType
 from typing import Protocol, TextIO
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
 
 from pfemcut.method import Measures
 
@@ -50,12 +50,17 @@ def progress_display(end: float, stream: TextIO | None = None, *, visible: bool 
     return Live(end, stream) if stream.isatty() else PlainLines(end, stream)
 
 
-def state_line(measures: Measures) -> str:
-    """Return the state of a run in one line."""
+def state_text(measures: Measures) -> str:
+    """Return travel, forces and highest temperature; short enough for a terminal of 80 columns."""
     return (
-        f"travel {measures.travel:.4f} mm  Fc {measures.cutting_force:.1f}  Ft {measures.thrust_force:.1f} N/mm  "
-        f"Tmax {measures.max_temperature:.0f} K  {measures.nodes} particles  step {measures.step}"
+        f"travel {measures.travel:.4f} mm  Fc {measures.cutting_force:.1f} Ft {measures.thrust_force:.1f} N/mm  "
+        f"Tmax {measures.max_temperature:.0f} K"
     )
+
+
+def state_line(measures: Measures) -> str:
+    """Return the state of a run in one line of a log."""
+    return f"{state_text(measures)}  {measures.nodes} particles  step {measures.step}"
 
 
 def remaining(begun: float, now: float, first: float, present: float, end: float) -> float:
@@ -172,10 +177,9 @@ class Live:
     def __init__(self, end: float, stream: TextIO) -> None:
         self._pace = _Pace(end, time.monotonic)
         self._bar = Progress(
-            BarColumn(bar_width=20),
+            BarColumn(bar_width=8),
             TaskProgressColumn(),
             TextColumn("{task.description}"),
-            TimeElapsedColumn(),
             TextColumn("to go {task.fields[to_go]}"),
             console=Console(file=stream),
         )
@@ -186,7 +190,7 @@ class Live:
         self._bar.update(
             self._task,
             completed=measures.time,
-            description=state_line(measures),
+            description=state_text(measures),
             to_go=self._pace.to_go(measures.time),
         )
 
