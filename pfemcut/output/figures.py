@@ -204,7 +204,7 @@ def draw_forces(history: Mapping[str, Array], window: SteadyWindow) -> Figure:
     bottom = min(float(np.percentile(history[name], 0.5)) for name in ("cutting_force", "thrust_force"))
     axes.set_ylim(min(0.0, 1.1 * bottom), 1.25 * top if top > 0.0 else None)
     axes.grid(alpha=0.3)
-    axes.legend(loc="lower right", fontsize="small")
+    figure.legend(loc="outside lower center", ncols=3, fontsize="small")
     return figure
 
 
