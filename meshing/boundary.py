@@ -80,9 +80,7 @@ def collapse_short_edges(outline: Outline, shortest: Array, locked: BoolArray) -
     # Only the shortest of five consecutive edges may go, so that no two collapses share a particle.
     forward1, forward2 = ratio[following], ratio[following[following]]
     backward1, backward2 = ratio[loops.preceding], ratio[loops.preceding[loops.preceding]]
-    smallest = (
-        (ratio < forward1) & (ratio < forward2) & (ratio <= backward1) & (ratio <= backward2)
-    )
+    smallest = (ratio < forward1) & (ratio < forward2) & (ratio <= backward1) & (ratio <= backward2)
     loop_size = np.repeat(np.diff(outline.starts), np.diff(outline.starts))
     go = (ratio < 1.0) & smallest & ~fixed & ~fixed[following] & (loop_size > 6)
     if not go.any():
@@ -115,9 +113,7 @@ def collapse_short_edges(outline: Outline, shortest: Array, locked: BoolArray) -
     return Outline(new_points[keep], particles[keep], parts[keep], _starts_after(keep, outline.starts))
 
 
-def split_long_edges(
-    outline: Outline, longest: Array, place: PlaceBoundary, free: BoolArray
-) -> Outline:
+def split_long_edges(outline: Outline, longest: Array, place: PlaceBoundary, free: BoolArray) -> Outline:
     """Split edges longer than ``longest`` (b,); ``place`` puts the new particles on the surface.
 
     Parameters

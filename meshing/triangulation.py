@@ -5,6 +5,8 @@ The robust predicates and the triangulation are those of the library CDT (throug
 
 from __future__ import annotations
 
+from typing import Any, cast
+
 import numpy as np
 import pythoncdt as cdt
 from numpy.typing import NDArray
@@ -37,8 +39,9 @@ def constrained_delaunay(points: Array, edges: IntArray) -> IntArray:
         cdt.VertexInsertionOrder.AUTO, cdt.IntersectingConstraintEdges.NOT_ALLOWED, 0.0
     )
     try:
-        triangulation.insert_vertices(np.ascontiguousarray(points, dtype=np.float64))
-        triangulation.insert_edges(np.ascontiguousarray(edges, dtype=np.uint32))
+        # numpy 1's annotations don't say that an array is a buffer.
+        triangulation.insert_vertices(cast(Any, np.ascontiguousarray(points, dtype=np.float64)))
+        triangulation.insert_edges(cast(Any, np.ascontiguousarray(edges, dtype=np.uint32)))
     except RuntimeError as error:
         raise BoundaryCrossing(str(error)) from error
     triangulation.erase_outer_triangles_and_holes()

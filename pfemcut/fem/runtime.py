@@ -5,6 +5,7 @@ Written for dolfinx 0.5.2 (Debian 12).
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 from typing import Any
 
@@ -40,11 +41,23 @@ def cell_element(components: int) -> Any:
     return ufl.VectorElement("DG", CELL, 0, dim=components)
 
 
+def _compiled(comm: MPI.Comm, what: Any) -> tuple[Any, Any]:
+    """Compiled form or element and its module, from the cache on disk if it was compiled before."""
+    # The C compiler's command lines would otherwise appear among a user's progress lines.
+    disabled = logging.root.manager.disable
+    logging.disable(logging.INFO)
+    try:
+        compiled, module, _ = jit.ffcx_jit(comm, what, form_compiler_params={"scalar_type": "double"})
+    finally:
+        logging.disable(disabled)
+    return compiled, module
+
+
 class CompiledElement:
     """A finite element compiled once, from which spaces on any mesh are made without analysing it again."""
 
     def __init__(self, comm: MPI.Comm, element: Any):
-        (self._element, self._dofmap), self._module, _ = jit.ffcx_jit(comm, element)
+        (self._element, self._dofmap), self._module = _compiled(comm, element)
         self._comm = comm
 
     def space(self, mesh: Any) -> Any:
@@ -61,9 +74,7 @@ class CompiledForm:
     """A form compiled once and bound to every new mesh."""
 
     def __init__(self, comm: MPI.Comm, form: ufl.Form):
-        self._compiled, self._module, _ = jit.ffcx_jit(
-            comm, form, form_compiler_params={"scalar_type": "double"}
-        )
+        self._compiled, self._module = _compiled(comm, form)
         positions = [
             self._compiled.original_coefficient_position[i] for i in range(self._compiled.num_coefficients)
         ]
@@ -125,9 +136,9 @@ def new_function(space: Any) -> Any:
     return cpp.fem.Function_float64(space)
 
 
-def new_constant(values: Array) -> Any:
-    """A constant with the given values."""
-    return cpp.fem.Constant_float64(np.asarray(values, dtype=np.float64))
+def new_constant(value: float) -> Any:
+    """A scalar constant."""
+    return cpp.fem.Constant_float64(np.asarray(value, dtype=np.float64))
 
 
 def new_matrix(form: Any) -> Any:

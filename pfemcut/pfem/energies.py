@@ -22,7 +22,9 @@ def elastic_energy(problem: Problem, mesh: Mesh, fields: Fields) -> float:
     pressure = element_mean(fields.pressure, mesh.cells)
     density = deviatoric_energy(fields.b_elastic, material.shear_modulus)
     density += pressure**2 / (2.0 * material.bulk_modulus)
-    return float(np.sum(density / volume_ratios(material, mesh, fields) * signed_areas(mesh.points, mesh.cells)))
+    return float(
+        np.sum(density / volume_ratios(material, mesh, fields) * signed_areas(mesh.points, mesh.cells))
+    )
 
 
 def mass(problem: Problem, mesh: Mesh, fields: Fields) -> float:

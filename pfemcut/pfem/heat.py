@@ -31,9 +31,9 @@ def heat_forms(domain: ufl.Mesh, symbols: HeatSymbols) -> ufl.Form:
     """Matrix of lumped capacity and conduction."""
     space = ufl.FunctionSpace(domain, runtime.nodal_element(1))
     test, trial = ufl.TestFunction(space), ufl.TrialFunction(space)
-    nodes = ufl.Measure(
-        "dx", domain=domain, metadata={"quadrature_rule": "vertex", "quadrature_degree": 1}
-    )
+    nodes = ufl.Measure("dx", domain=domain, metadata={"quadrature_rule": "vertex", "quadrature_degree": 1})
     inside = ufl.Measure("dx", domain=domain, metadata={"quadrature_degree": 0})
     capacity, conductivity = symbols.element[0], symbols.element[1]
-    return capacity * trial * test * nodes + conductivity * ufl.inner(ufl.grad(trial), ufl.grad(test)) * inside
+    return (
+        capacity * trial * test * nodes + conductivity * ufl.inner(ufl.grad(trial), ufl.grad(test)) * inside
+    )

@@ -34,7 +34,8 @@ def element_mean(values: Array, cells: IntArray) -> Array:
 
 def lumped(values: Array, cells: IntArray, count: int) -> Array:
     """A third of each element's ``values`` (m,) given to each of its particles, summed; shape (count,)."""
-    return np.bincount(cells.ravel(), np.repeat(values / 3.0, 3), minlength=count)
+    total = np.bincount(cells.ravel(), np.repeat(values / 3.0, 3), minlength=count)
+    return total.astype(np.float64, copy=False)
 
 
 def nodal_average(values: Array, weights: Array, cells: IntArray, count: int) -> Array:
@@ -45,4 +46,5 @@ def nodal_average(values: Array, weights: Array, cells: IntArray, count: int) ->
 def tributary_lengths(points: Array, edges: IntArray, count: int) -> Array:
     """Half the lengths (mm) of the boundary ``edges`` (b, 2) that meet in each particle; shape (count,)."""
     half = 0.5 * np.hypot(*(points[edges[:, 1]] - points[edges[:, 0]]).T)
-    return np.bincount(edges.ravel(), np.repeat(half, 2), minlength=count)
+    length = np.bincount(edges.ravel(), np.repeat(half, 2), minlength=count)
+    return length.astype(np.float64, copy=False)

@@ -216,7 +216,9 @@ def solve_motion(
     start = np.column_stack([fields.last_displacement * (step / last_step), fields.pressure])
     start[fixed] = value[fixed]
     yield_stress = float(
-        material.hardening.flow_stress(np.zeros(1), np.zeros(1), np.array([problem.body.temperature])).value[0]
+        material.hardening.flow_stress(np.zeros(1), np.zeros(1), np.array([problem.body.temperature])).value[
+            0
+        ]
     )
     moduli = (material.shear_modulus, material.bulk_modulus, problem.stabilisation)
     strain = thermal_strain(material, fields.temperature)
@@ -263,13 +265,13 @@ def _nodal_forces(
     return NodalForces(np.concatenate(particles), np.concatenate(forces), np.concatenate(stiffness))
 
 
-def update_plasticity(problem: Problem, mesh: Mesh, fields: Fields, motion: Motion, step: float) -> PlasticUpdate:
+def update_plasticity(
+    problem: Problem, mesh: Mesh, fields: Fields, motion: Motion, step: float
+) -> PlasticUpdate:
     """Backward-Euler return mapping at the solved displacement and the temperature of the start of the step."""
     material = problem.body.material
     temperature = element_mean(fields.temperature, mesh.cells)
-    multiplier = implicit_multiplier(
-        motion.trial, material.hardening, fields.eqps, temperature, step
-    ).value
+    multiplier = implicit_multiplier(motion.trial, material.hardening, fields.eqps, temperature, step).value
     increment = _ROOT_2_3 * multiplier
     eqps = fields.eqps + increment
     deviator = returned_deviator(motion.trial, multiplier)

@@ -88,7 +88,9 @@ def momentum_forms(domain: ufl.Mesh, symbols: MomentumSymbols) -> tuple[Forms, F
     return residuals, tuple(ufl.derivative(each, symbols.unknown, trial) for each in residuals)
 
 
-def _stress_deviator(f: ufl.core.expr.Expr, j: ufl.core.expr.Expr, mu: ufl.Constant, data: ufl.Coefficient):
+def _stress_deviator(
+    f: ufl.core.expr.Expr, j: ufl.core.expr.Expr, mu: ufl.Constant, data: ufl.Coefficient
+) -> ufl.core.expr.Expr:
     """In-plane part of the deviatoric Kirchhoff stress after radial return (Box 3, steps 2 and 3)."""
     b_n = ufl.as_matrix(((data[BE_XX], data[BE_XY]), (data[BE_XY], data[BE_YY])))
     scale = j ** (-2.0 / 3.0)
@@ -100,8 +102,6 @@ def _stress_deviator(f: ufl.core.expr.Expr, j: ufl.core.expr.Expr, mu: ufl.Const
     norm = ufl.sqrt(ufl.inner(s_trial, s_trial) + s_zz**2 + _TINY)
     mu_bar = mu * third
     multiplier = (
-        data[MULTIPLIER]
-        + data[BY_NORM] * (norm - data[NORM_K])
-        + data[BY_MU_BAR] * (mu_bar - data[MU_BAR_K])
+        data[MULTIPLIER] + data[BY_NORM] * (norm - data[NORM_K]) + data[BY_MU_BAR] * (mu_bar - data[MU_BAR_K])
     )
     return (1 - 2 * mu_bar * multiplier / norm) * s_trial

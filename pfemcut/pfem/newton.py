@@ -15,7 +15,9 @@ Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 _SMALLEST_FRACTION = 1.0 / 64.0  # of the Newton correction, in the line search
-_SMALLEST_JACOBIAN = 0.2  # an element that shrinks below this part of its area in one step has inverted, nearly
+_SMALLEST_JACOBIAN = (
+    0.2  # an element that shrinks below this part of its area in one step has inverted, nearly
+)
 
 
 class StepFailed(Exception):

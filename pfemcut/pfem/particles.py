@@ -20,9 +20,7 @@ _HOT_REMOVAL = 0.4  # removal distance there, relative to the refined spacing, b
 _CONTACT_EDGE = 0.1  # an edge whose ends are closer to the tool than this times its length lies on it
 
 
-def remesh_particles(
-    problem: Problem, mesh: Mesh, fields: Fields, time: float
-) -> tuple[Mesh, RemeshMap]:
+def remesh_particles(problem: Problem, mesh: Mesh, fields: Fields, time: float) -> tuple[Mesh, RemeshMap]:
     """Remove and insert particles and triangulate anew, at ``time`` (s).
 
     Raises

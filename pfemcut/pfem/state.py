@@ -199,15 +199,15 @@ def from_arrays(arrays: Mapping[str, NDArray[np.generic]]) -> State:
         values = {each.name: arrays[f"{name}/{each.name}"] for each in dataclasses.fields(kind)}
         return kind(**{key: value.item() if scalar else value for key, value in values.items()})
 
-    boundary = Boundary(
-        *(np.asarray(arrays[f"mesh/boundary/{name}"]) for name in ("particles", "parts", "starts"))
-    )
+    def whole(name: str) -> IntArray:
+        return np.asarray(arrays[f"mesh/{name}"], dtype=np.int64)
+
     mesh = Mesh(
-        np.asarray(arrays["mesh/points"]),
-        np.asarray(arrays["mesh/cells"]),
-        boundary,
-        np.asarray(arrays["mesh/ids"]),
-        int(arrays["mesh/next_id"]),
+        np.asarray(arrays["mesh/points"], dtype=np.float64),
+        whole("cells"),
+        Boundary(whole("boundary/particles"), whole("boundary/parts"), whole("boundary/starts")),
+        whole("ids"),
+        int(whole("next_id")),
     )
     return State(
         mesh,

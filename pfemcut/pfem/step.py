@@ -28,7 +28,18 @@ from pfemcut.timing import Stopwatch
 
 Array = NDArray[np.float64]
 
-PHASES = ("particles", "transfer", "mesh", "system", "assembly", "linear_solve", "momentum", "plasticity", "heat", "ledger")
+PHASES = (
+    "particles",
+    "transfer",
+    "mesh",
+    "system",
+    "assembly",
+    "linear_solve",
+    "momentum",
+    "plasticity",
+    "heat",
+    "ledger",
+)
 _ROOT_2_3 = np.sqrt(2.0 / 3.0)
 
 
@@ -82,9 +93,7 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
     cuts = 0
     while True:
         with watch.phase("mesh"):
-            distributed = DistributedMesh(
-                kernels.comm, mesh.points, mesh.cells, kernels.momentum.domain
-            )
+            distributed = DistributedMesh(kernels.comm, mesh.points, mesh.cells, kernels.momentum.domain)
         # Box 4, steps 1 and 2: contact search and momentum, with the extrapolated multiplier.
         try:
             with watch.phase("momentum"):
@@ -134,10 +143,10 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
             multiplier_rate=plastic.multiplier_rate,
             plastic_power=power,
         )
-        record, ledger = _record(problem, state, mesh, fields, moved, motion, power, heating, remesh_map, step)
-        ledger = ledger.plus(
-            step_cuts=cuts, **_remeshing_amounts(problem, state, mesh, fields, remesh_map)
+        record, ledger = _record(
+            problem, state, mesh, fields, moved, motion, power, heating, remesh_map, step
         )
+        ledger = ledger.plus(step_cuts=cuts, **_remeshing_amounts(problem, state, mesh, fields, remesh_map))
     clock = Clock(
         step=state.clock.step + 1,
         time=state.clock.time + step,
@@ -162,9 +171,7 @@ def _particle_step(
     return mesh, fields, (remesh_map,)
 
 
-def _why(
-    problem: Problem, state: State, mesh: Mesh, fields: Fields, step: float, failure: StepFailed
-) -> str:
+def _why(problem: Problem, state: State, mesh: Mesh, fields: Fields, step: float, failure: StepFailed) -> str:
     speed = np.hypot(*(fields.last_displacement / state.clock.last_dt).T)
     x, y = mesh.points[int(np.argmax(speed))]
     return (

@@ -18,7 +18,10 @@ Array = NDArray[np.float64]
 def transfer_fields(fields: Fields, old: Mesh, remesh_map: RemeshMap) -> Fields:
     """``fields`` of the ``old`` mesh on the new one, each by its declared rule."""
     rules = {Transfer.INTERPOLATE: _interpolate, Transfer.INHERIT: _inherit}
-    moved = {each.name: rules[each.transfer](getattr(fields, each.name), old, remesh_map) for each in declarations()}
+    moved = {
+        each.name: rules[each.transfer](getattr(fields, each.name), old, remesh_map)
+        for each in declarations()
+    }
     return Fields(**moved)
 
 
