@@ -17,8 +17,9 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from pfemcut.inputs import read_toml
 from pfemcut.method import CutEnded, Frame, Measures, Method, RunStopped
-from pfemcut.output.directory import HISTORY, SUMMARY, TIMING, prepare_directory, writing
+from pfemcut.output.directory import HISTORY, INPUTS, SUMMARY, TIMING, prepare_directory, writing
 from pfemcut.output.progress import progress_display
 from pfemcut.output.recorder import Recorder
 from pfemcut.problem import Problem
@@ -81,6 +82,29 @@ def run_case(
     return run_problem(
         problem, factory, Path(directory), case.output, inputs=inputs, resume=resume, overwrite=overwrite
     )
+
+
+def report_case(directory: Path) -> None:
+    """Write figures and report of a cutting case from its output directory alone.
+
+    A run that was killed, or goes on, has no summary yet; its history so far makes one.
+
+    Raises
+    ------
+    UserError
+        If the directory holds no run's results or they are damaged.
+    """
+    from pfemcut.case.cutting import cutting_problem
+    from pfemcut.case.load import validated
+    from pfemcut.output.report import write_report
+
+    if not (directory / SUMMARY).exists():
+        problem = cutting_problem(*validated(read_toml(directory / INPUTS), directory))
+        ending = "had not ended when this was written"
+        summary = summary_of(directory, problem, finished=False, ending=ending, warnings=(ending,))
+        with writing(directory):
+            write_summary(directory / SUMMARY, summary)
+    write_report(directory)
 
 
 def run_problem(

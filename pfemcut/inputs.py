@@ -11,7 +11,11 @@ from typing import Any, get_args
 from pydantic import BaseModel, ValidationError
 
 
-class InputError(Exception):
+class UserError(Exception):
+    """Something that the user can mend; the message says what, in one line a problem. Exit status 2."""
+
+
+class InputError(UserError):
     """Bad user input; ``problems`` holds one line each and the message is all of them."""
 
     def __init__(self, problems: Iterable[str]) -> None:

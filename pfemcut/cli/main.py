@@ -19,7 +19,7 @@ from pfemcut.case.check import figures, warnings
 from pfemcut.case.load import load_case
 from pfemcut.case.schema import Case
 from pfemcut.cli.table import result_lines
-from pfemcut.inputs import InputError
+from pfemcut.inputs import InputError, UserError
 from pfemcut.materials.load import described, library_names, load_material
 from pfemcut.method import RunStopped
 
@@ -45,8 +45,8 @@ def status(arguments: Sequence[str]) -> int:
     """Run the command line and return its exit status, errors printed as one line each."""
     try:
         return int(app(list(arguments), standalone_mode=False, prog_name="pfemcut") or 0)
-    except InputError as error:
-        _complain(*error.problems)
+    except UserError as error:
+        _complain(*str(error).splitlines())
         return 2
     except RunStopped as error:
         _complain(f"run stopped: {error}")
@@ -98,14 +98,8 @@ def run(
     )
     case = _directed(case, output)
     from pfemcut.driver import run_case
-    from pfemcut.output.directory import OutputError
-    from pfemcut.results.checkpoint import CheckpointError
 
-    directory = Path(case.output.directory)
-    try:
-        summary = run_case(case, material, directory, resume=resume, overwrite=overwrite)
-    except (OutputError, CheckpointError) as error:
-        raise InputError([str(error)]) from error
+    summary = run_case(case, material, case.output.directory, resume=resume, overwrite=overwrite)
     for line in result_lines(summary):
         _say(line)
     if not summary.finished:
@@ -128,12 +122,12 @@ def report(
         Path, typer.Argument(metavar="DIR", help="Folder of the results.", show_default=False)
     ],
 ) -> None:
-    """Write the figures and the report of a run again."""
+    """Write the figures and the report of a run, also of one that is going on or was killed."""
     if not (directory / "history.csv").is_file():
         raise InputError([f"{directory}: no results here (history.csv is missing)"])
-    from pfemcut.output.report import write_report
+    from pfemcut.driver import report_case
 
-    write_report(directory)
+    report_case(directory)
 
 
 @app.command()

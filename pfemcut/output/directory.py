@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from pfemcut.inputs import UserError
 from pfemcut.output.vtu import COLLECTION, FOLDER
 from pfemcut.results.checkpoint import NAME, PREVIOUS
 
@@ -21,7 +22,7 @@ REPORT = "report.html"
 OURS = (HISTORY, TIMING, SUMMARY, INPUTS, FIGURES, REPORT, COLLECTION, FOLDER, NAME, PREVIOUS)
 
 
-class OutputError(Exception):
+class OutputError(UserError):
     """An output directory that can't be used or written; the message says why."""
 
 

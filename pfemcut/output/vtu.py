@@ -16,6 +16,7 @@ import meshio
 import numpy as np
 from numpy.typing import NDArray
 
+from pfemcut.inputs import UserError
 from pfemcut.method import ContactView, Frame, IntArray
 from pfemcut.tools.rigid_wedge import RigidWedge
 
@@ -31,7 +32,7 @@ TENSOR = ("xx", "yy", "zz", "xy")
 _CONTACT = ("contact_pressure", "contact_shear", "in_contact")
 
 
-class FieldsError(Exception):
+class FieldsError(UserError):
     """Fields that can't be read back; the message says why."""
 
 

@@ -18,6 +18,8 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from pfemcut.inputs import UserError
+
 State = Mapping[str, NDArray[np.generic]]
 
 FORMAT = "pfemcut checkpoint"
@@ -29,7 +31,7 @@ FREE_TO_CHANGE = ("cutting.travel", "output")
 """Keys (or whole tables) of a case that may differ on resume. The number of ranks is no part of a case."""
 
 
-class CheckpointError(Exception):
+class CheckpointError(UserError):
     """A checkpoint that is missing, damaged, of another program, or of another case."""
 
 

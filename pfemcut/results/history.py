@@ -17,6 +17,7 @@ from types import TracebackType
 import numpy as np
 from numpy.typing import NDArray
 
+from pfemcut.inputs import UserError
 from pfemcut.method import Measures
 
 Array = NDArray[np.float64]
@@ -26,7 +27,7 @@ CORE_COLUMNS = tuple(field.name for field in fields(Measures))
 """The first columns of ``history.csv``, in order."""
 
 
-class HistoryError(Exception):
+class HistoryError(UserError):
     """A history file that can't be read or continued; the message says why."""
 
 
