@@ -99,7 +99,7 @@ def run(
     case = _directed(case, output)
     from pfemcut.driver import run_case
 
-    summary = run_case(case, material, case.output.directory, resume=resume, overwrite=overwrite)
+    summary = run_case(case, material, Path(case.output.directory), resume=resume, overwrite=overwrite)
     for line in result_lines(summary):
         _say(line)
     if not summary.finished:
