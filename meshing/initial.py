@@ -1,8 +1,11 @@
-"""Initial graded mesh of a polygonal body (gmsh)."""
+"""Initial mesh of a body: graded mesh of an outline (gmsh), or a mesh read from a file (meshio)."""
 
 from __future__ import annotations
 
-import gmsh
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,8 +16,28 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 
-def polygon_mesh(corners: Array, sizes: SizeField, parts: IntArray) -> Mesh:
-    """Triangulate the polygon ``corners`` (k, 2), counter-clockwise, with spacing ``sizes``.
+class MeshFileError(Exception):
+    """A mesh file that does not hold a usable triangle mesh; the message says why."""
+
+
+@dataclass(frozen=True)
+class Arc:
+    """A polygon side that is a circular arc, below half a turn.
+
+    Attributes
+    ----------
+    side
+        The side that starts at this corner.
+    centre
+        Centre of the circle (mm).
+    """
+
+    side: int
+    centre: tuple[float, float]
+
+
+def outline_mesh(corners: Array, sizes: SizeField, parts: IntArray, arcs: tuple[Arc, ...] = ()) -> Mesh:
+    """Triangulate the outline with the given ``corners`` (k, 2), counter-clockwise, with spacing ``sizes``.
 
     Parameters
     ----------
@@ -24,7 +47,11 @@ def polygon_mesh(corners: Array, sizes: SizeField, parts: IntArray) -> Mesh:
         Wished spacing (mm).
     parts
         Part number of the side that starts at each corner; shape (k,).
+    arcs
+        Sides that are arcs; the others are straight.
     """
+    import gmsh  # takes half a second to load
+
     gmsh.initialize(["pfemcut", "-v", "1"], readConfigFiles=False)
     try:
         for option in ("MeshSizeFromPoints", "MeshSizeFromCurvature", "MeshSizeExtendFromBoundary"):
@@ -32,36 +59,113 @@ def polygon_mesh(corners: Array, sizes: SizeField, parts: IntArray) -> Mesh:
         gmsh.option.setNumber("Mesh.Algorithm", 6)  # frontal Delaunay: the most regular triangles
         geometry = gmsh.model.geo
         tags = [geometry.addPoint(float(x), float(y), 0.0) for x, y in corners]
-        sides = [geometry.addLine(a, b) for a, b in zip(tags, tags[1:] + tags[:1], strict=True)]
+        centres = {arc.side: geometry.addPoint(*arc.centre, 0.0) for arc in arcs}
+        sides = [
+            geometry.addCircleArc(a, centres[i], b) if i in centres else geometry.addLine(a, b)
+            for i, (a, b) in enumerate(zip(tags, tags[1:] + tags[:1], strict=True))
+        ]
         geometry.addPlaneSurface([geometry.addCurveLoop(sides)])
         geometry.synchronize()
         # Later gmsh versions hand over one argument more.
         gmsh.model.mesh.setSizeCallback(lambda _d, _t, x, y, *_: float(sizes(np.array([[x, y]]))[0]))
         gmsh.model.mesh.generate(2)
-        return _collect(sides, parts)
+        return _collect(gmsh.model.mesh, sides, parts)
     finally:
         gmsh.finalize()
 
 
-def _collect(sides: list[int], parts: IntArray) -> Mesh:
-    node_tags, coordinates, _ = gmsh.model.mesh.getNodes()
+def _collect(mesh: Any, sides: list[int], parts: IntArray) -> Mesh:
+    node_tags, coordinates, _ = mesh.getNodes()
     number = np.zeros(int(node_tags.max()) + 1, dtype=np.int64)
     number[node_tags] = np.arange(len(node_tags))
     points = coordinates.reshape(-1, 3)[:, :2].copy()
-    _, triangles = gmsh.model.mesh.getElementsByType(2)
+    _, triangles = mesh.getElementsByType(2)
     cells = number[triangles].reshape(-1, 3)
     flipped = signed_areas(points, cells) < 0.0
     cells[flipped] = cells[flipped][:, [0, 2, 1]]
 
     particles, edge_parts = [], []
     for side, part in zip(sides, parts, strict=True):
-        _, lines = gmsh.model.mesh.getElementsByType(1, side)
+        _, lines = mesh.getElementsByType(1, side)
         starts = number[lines].reshape(-1, 2)[:, 0]  # gmsh lists a line's edges in its direction
         particles.append(starts)
         edge_parts.append(np.full(len(starts), part))
     loop = np.concatenate(particles)
     boundary = Boundary(loop, np.concatenate(edge_parts), np.array([0, len(loop)]))
-    used = np.unique(cells)
-    if len(used) != len(points):
-        raise ValueError("the initial mesh has nodes that belong to no triangle")
-    return Mesh(points, cells, boundary, np.arange(len(points)), len(points))
+    return _without_loose_nodes(points, cells, boundary)
+
+
+def _without_loose_nodes(points: Array, cells: IntArray, boundary: Boundary) -> Mesh:
+    """The mesh without nodes that belong to no triangle, such as centres of arcs."""
+    used = np.zeros(len(points), dtype=bool)
+    used[cells] = True
+    number = np.cumsum(used) - 1
+    boundary = Boundary(number[boundary.particles], boundary.parts, boundary.starts)
+    count = int(used.sum())
+    return Mesh(points[used], number[cells], boundary, np.arange(count), count)
+
+
+def read_mesh(path: Path) -> tuple[Mesh, tuple[str, ...]]:
+    """A triangle mesh from any file that meshio reads, and the names of its boundary parts.
+
+    Boundary edges that belong to a physical group (gmsh) or cell set of lines take its name, others ``boundary``.
+
+    Raises
+    ------
+    MeshFileError
+        If the file can't be read, holds no triangles, or its boundary does not form simple loops.
+    """
+    import meshio
+
+    try:
+        found = meshio.read(path)
+    except (OSError, meshio.ReadError, ValueError, SystemExit) as error:
+        raise MeshFileError(f"{path}: not a mesh that meshio can read: {error}") from error
+    points = np.asarray(found.points, dtype=np.float64)[:, :2]
+    triangles = [block.data for block in found.cells if block.type == "triangle"]
+    if not triangles:
+        raise MeshFileError(f"{path}: holds no triangles")
+    cells = np.vstack(triangles).astype(np.int64)
+    flipped = signed_areas(points, cells) < 0.0
+    cells[flipped] = cells[flipped][:, [0, 2, 1]]
+    names, named = _named_edges(found)
+    boundary = _boundary_loops(cells, named, path)
+    return _without_loose_nodes(points, cells, boundary), (*names, "boundary")
+
+
+def _named_edges(found: Any) -> tuple[list[str], dict[tuple[int, int], int]]:
+    """Names of the groups of lines, and the group of each line by its sorted ends."""
+    names: list[str] = []
+    group: dict[tuple[int, int], int] = {}
+    for name, blocks in found.cell_sets_dict.items():
+        if "line" not in blocks or name.startswith("gmsh:"):
+            continue
+        lines = found.cells_dict["line"][blocks["line"]]
+        group.update({(min(a, b), max(a, b)): len(names) for a, b in lines.tolist()})
+        names.append(name)
+    return names, group
+
+
+def _boundary_loops(cells: IntArray, named: dict[tuple[int, int], int], path: Path) -> Boundary:
+    directed = np.vstack([cells[:, [0, 1]], cells[:, [1, 2]], cells[:, [2, 0]]])
+    base = int(cells.max()) + 1
+    key = directed[:, 0] * base + directed[:, 1]
+    outer = directed[~np.isin(key, directed[:, 1] * base + directed[:, 0])]
+    following = dict(outer.tolist())
+    if len(following) != len(outer):
+        raise MeshFileError(f"{path}: boundary loops touch in a point")
+    particles: list[int] = []
+    starts = [0]
+    while following:
+        first = at = next(iter(following))
+        while True:
+            particles.append(at)
+            at = following.pop(at)
+            if at == first:
+                break
+        starts.append(len(particles))
+    loop = np.array(particles, dtype=np.int64)
+    boundary = Boundary(loop, np.zeros(len(loop), dtype=np.int64), np.array(starts))
+    other = len(set(named.values()))
+    parts = [named.get((min(a, b), max(a, b)), other) for a, b in boundary.edges.tolist()]
+    return Boundary(loop, np.array(parts, dtype=np.int64), np.array(starts))

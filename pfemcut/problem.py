@@ -9,6 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
+import numpy as np
+
+from meshing.initial import Arc
+from meshing.mesh import Mesh
 from meshing.sizes import SizeField
 from pfemcut.materials.material import Material
 from pfemcut.tools.rigid_wedge import RigidWedge
@@ -36,6 +40,31 @@ class HeatSource(Enum):
 
 
 @dataclass(frozen=True)
+class Schedule:
+    """A value as a piecewise linear function of time, constant beyond its ends.
+
+    Attributes
+    ----------
+    times
+        Increasing times (s); a single one makes the value constant.
+    values
+        Values at these times.
+    """
+
+    times: tuple[float, ...]
+    values: tuple[float, ...]
+
+    def __call__(self, time: float) -> float:
+        """The value at ``time`` (s)."""
+        return float(np.interp(time, self.times, self.values))
+
+
+def constant(value: float) -> Schedule:
+    """A value that does not change."""
+    return Schedule((0.0,), (value,))
+
+
+@dataclass(frozen=True)
 class Body:
     """A meshed body.
 
@@ -46,11 +75,18 @@ class Body:
     outline
         Corners of the polygon, counter-clockwise (mm).
     parts
-        Name of the boundary part of each polygon side; side ``i`` runs from corner ``i`` to ``i + 1``.
+        Name of the boundary part of each polygon side; side ``i`` runs from corner ``i`` to ``i + 1``. With a
+        ``given`` mesh, the names that its part numbers stand for.
     material
         Material of the whole body.
     temperature
         Initial temperature (K).
+    velocity
+        Initial velocity (mm/s), which counts only with inertia.
+    arcs
+        Sides that are circular arcs.
+    given
+        A mesh to start from instead of meshing the outline, none or one.
     """
 
     name: str
@@ -58,15 +94,49 @@ class Body:
     parts: tuple[str, ...]
     material: Material
     temperature: float
+    velocity: tuple[float, float] = (0.0, 0.0)
+    arcs: tuple[Arc, ...] = ()
+    given: tuple[Mesh, ...] = ()
 
 
 @dataclass(frozen=True)
 class PrescribedMotion:
-    """A velocity component (mm/s) prescribed on a boundary part; zero fixes it."""
+    """A displacement component (mm since time zero) prescribed on a boundary part."""
 
     part: str
     axis: Axis
-    velocity: float = 0.0
+    displacement: Schedule
+
+
+def fixed(part: str, axis: Axis) -> PrescribedMotion:
+    """A boundary part held in one direction."""
+    return PrescribedMotion(part, axis, constant(0.0))
+
+
+@dataclass(frozen=True)
+class DistributedForce:
+    """A dead force (N per mm of width), spread evenly over the current length of a boundary part."""
+
+    part: str
+    x: Schedule
+    y: Schedule
+
+
+@dataclass(frozen=True)
+class Traction:
+    """A traction (MPa) per current length of a boundary part, in fixed directions."""
+
+    part: str
+    x: Schedule
+    y: Schedule
+
+
+@dataclass(frozen=True)
+class Pressure:
+    """A pressure (MPa) on a boundary part, normal to its current surface."""
+
+    part: str
+    pressure: Schedule
 
 
 @dataclass(frozen=True)
@@ -74,7 +144,7 @@ class PrescribedTemperature:
     """A temperature (K) prescribed on a boundary part."""
 
     part: str
-    temperature: float
+    temperature: Schedule
 
 
 @dataclass(frozen=True)
@@ -82,7 +152,43 @@ class HeatFlux:
     """A heat flux into the body (N/(mm s) = mW/mm²) on a boundary part."""
 
     part: str
+    flux: Schedule
+
+
+@dataclass(frozen=True)
+class MovingHeatBand:
+    """A heat flux into the body (mW/mm²) on the piece of a boundary part in a band of x that moves.
+
+    Attributes
+    ----------
+    lower, upper
+        Ends of the band at time zero (mm).
+    velocity
+        Velocity of the band (mm/s).
+    """
+
+    part: str
     flux: float
+    lower: float
+    upper: float
+    velocity: float
+
+
+@dataclass(frozen=True)
+class Convection:
+    """A heat flux ``coefficient`` (N/(mm s K)) times (``ambient`` - temperature) on a boundary part."""
+
+    part: str
+    coefficient: float
+    ambient: Schedule
+
+
+@dataclass(frozen=True)
+class Probe:
+    """A particle whose displacement and temperature the history follows: the one nearest ``point`` at the start."""
+
+    name: str
+    point: tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -132,8 +238,8 @@ class ParticleControls:
     ----------
     sizes
         Wished spacing at time zero.
-    sizes_follow_tool
-        Whether the size field moves with the tool.
+    sizes_velocity
+        Velocity at which the size field moves, as with the tool (mm/s).
     remesh
         Whether particles are re-triangulated, inserted and removed at all.
     insert, remove
@@ -156,7 +262,7 @@ class ParticleControls:
     """
 
     sizes: SizeField
-    sizes_follow_tool: bool
+    sizes_velocity: tuple[float, float]
     remesh: bool
     insert: bool
     remove: bool
@@ -247,7 +353,7 @@ class Problem:
         One line for reports.
     body
         The deforming body.
-    motions, temperatures, fluxes
+    motions, forces, tractions, pressures, temperatures, fluxes, heat_bands, convections
         Boundary conditions by part name; a boundary without any is free and adiabatic.
     tool
         Rigid tools, none or one.
@@ -259,17 +365,25 @@ class Problem:
         Factor alpha_s of the polynomial pressure projection (paper, eq. 40).
     cut
         Reference figures if the problem is a cut, else empty.
+    probes
+        Points to follow.
     """
 
     title: str
     body: Body
     motions: tuple[PrescribedMotion, ...]
-    temperatures: tuple[PrescribedTemperature, ...]
-    fluxes: tuple[HeatFlux, ...]
     tool: tuple[MovingTool, ...]
     contact: ContactLaw
     particles: ParticleControls
     time: TimeControls
     newton: NewtonControls
     stabilisation: float
-    cut: tuple[Cut, ...]
+    cut: tuple[Cut, ...] = ()
+    forces: tuple[DistributedForce, ...] = ()
+    tractions: tuple[Traction, ...] = ()
+    pressures: tuple[Pressure, ...] = ()
+    temperatures: tuple[PrescribedTemperature, ...] = ()
+    fluxes: tuple[HeatFlux, ...] = ()
+    heat_bands: tuple[MovingHeatBand, ...] = ()
+    convections: tuple[Convection, ...] = ()
+    probes: tuple[Probe, ...] = ()

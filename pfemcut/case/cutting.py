@@ -18,9 +18,9 @@ from pfemcut.problem import (
     MovingTool,
     NewtonControls,
     ParticleControls,
-    PrescribedMotion,
     Problem,
     TimeControls,
+    fixed,
 )
 from pfemcut.tools.rigid_wedge import RigidWedge
 
@@ -45,12 +45,10 @@ def cutting_problem(case: Case, material: Material) -> Problem:
             temperature=initial_temperature(case, material),
         ),
         motions=(
-            PrescribedMotion("bottom", Axis.X),
-            PrescribedMotion("bottom", Axis.Y),
-            PrescribedMotion("fixed", Axis.X),
+            fixed("bottom", Axis.X),
+            fixed("bottom", Axis.Y),
+            fixed("fixed", Axis.X),
         ),
-        temperatures=(),
-        fluxes=(),
         tool=(MovingTool(tool, (-case.cutting.speed, 0.0)),),
         contact=ContactLaw(
             penalty=case.contact.penalty,
@@ -60,7 +58,7 @@ def cutting_problem(case: Case, material: Material) -> Problem:
         ),
         particles=ParticleControls(
             sizes=size_field(mesh, tool, case.cutting.depth, height),
-            sizes_follow_tool=True,
+            sizes_velocity=(-case.cutting.speed, 0.0),
             remesh=mesh.remesh,
             insert=mesh.insert,
             remove=mesh.remove,

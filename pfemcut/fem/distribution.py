@@ -83,13 +83,14 @@ class NodalSpace:
         """Set ``function`` to the particles' ``values``."""
         function.x.array[:] = values[self.particles].ravel()
 
-    def local_nodes(self, particles: IntArray, count: int) -> tuple[IntArray, IntArray]:
-        """Owned nodes among ``particles`` (k,) of ``count``: their positions in ``particles`` and local nodes."""
-        node = np.full(count, -1)
-        node[self.particles[: self.owned]] = np.arange(self.owned)
-        nodes = node[particles]
-        mine = np.flatnonzero(nodes >= 0)
-        return mine, nodes[mine]
+    def global_nodes(self, count: int) -> IntArray:
+        """Global node number of each of the ``count`` particles, on every rank; shape (count,)."""
+        node = np.empty(count, dtype=np.int64)
+        first = 0
+        for particles in self._comm.allgather(self.particles[: self.owned]):
+            node[particles] = first + np.arange(len(particles))
+            first += len(particles)
+        return node
 
     def gather(self, owned_values: Array, count: int) -> Array:
         """All ``count`` particles' values on every rank from each rank's ``owned_values`` (owned * components,)."""

@@ -36,6 +36,7 @@ def solve_temperature_increment(
     lumped_capacity: Array,
     conductivity: Array,
     heat: Array,
+    exchange: Array,
     fixed: BoolArray,
     fixed_increment: Array,
 ) -> Array:
@@ -55,6 +56,9 @@ def solve_temperature_increment(
         Conductivity (N/(s K)); shape (m,).
     heat
         Heating power on particles per mm of width (mW/mm); shape (n,).
+    exchange
+        Heat given off per kelvin of the particle's temperature (mW/(mm K)), whose part at the start of the step is in
+        ``heat`` already; shape (n,).
     fixed, fixed_increment
         Particles with prescribed temperature, and their increment; shape (n,).
 
@@ -76,6 +80,11 @@ def solve_temperature_increment(
     solution.array[:] = temperature[owned]
     matrix.mult(solution, right)
     right.array[:] = (heat + lumped_capacity * temperature)[owned] - right.array_r
+    if exchange.any():
+        diagonal = matrix.getDiagonal()
+        diagonal.array[:] += exchange[owned]
+        matrix.setDiagonal(diagonal)
+        diagonal.destroy()
     rows = np.flatnonzero(fixed[owned]).astype(np.int32)
     solution.array[:] = fixed_increment[owned]
     matrix.zeroRowsColumnsLocal(rows, 1.0, solution, right)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from types import TracebackType
 
@@ -38,7 +39,7 @@ class MomentumKernels:
 
 @dataclass(frozen=True)
 class NodalForces:
-    """Forces on particles outside the weak form (contact, inertia) and their derivative.
+    """Forces on particles outside the weak form (contact, loads, inertia) and their derivative.
 
     Attributes
     ----------
@@ -46,13 +47,35 @@ class NodalForces:
         Where they act; shape (k,).
     forces
         Force on the body per mm of width (N/mm); shape (k, 2).
+    rows, columns
+        Particle pairs that the stiffness couples, edges of the mesh or a particle with itself; shape (s,).
     stiffness
-        Minus the derivative of the force by the displacement; shape (k, 2, 2).
+        Minus the derivative of the force on ``rows`` by the displacement of ``columns``; shape (s, 2, 2).
     """
 
     particles: IntArray
     forces: Array
+    rows: IntArray
+    columns: IntArray
     stiffness: Array
+
+    @staticmethod
+    def local(particles: IntArray, forces: Array, stiffness: Array) -> NodalForces:
+        """Forces that depend on the displacement of their own particle only; ``stiffness`` is (k, 2, 2)."""
+        return NodalForces(particles, forces, particles, particles, stiffness)
+
+    @staticmethod
+    def sum(parts: Sequence[NodalForces]) -> NodalForces:
+        """All forces of ``parts`` together."""
+        none = np.empty(0, dtype=np.int64)
+        every = [NodalForces.local(none, np.empty((0, 2)), np.empty((0, 2, 2))), *parts]
+        return NodalForces(
+            np.concatenate([each.particles for each in every]),
+            np.concatenate([each.forces for each in every]),
+            np.concatenate([each.rows for each in every]),
+            np.concatenate([each.columns for each in every]),
+            np.concatenate([each.stiffness for each in every]),
+        )
 
 
 class MomentumSystem:
@@ -98,6 +121,7 @@ class MomentumSystem:
         symbols = kernels.symbols
         self._count = len(fixed)
         self._mixed = NodalSpace(mesh, kernels.mixed, 3)
+        self._global_nodes = self._mixed.global_nodes(self._count)
         self._cells = CellSpace(mesh, kernels.element)
         scalar = NodalSpace(mesh, kernels.scalar, 1)
         self._unknown = runtime.new_function(self._mixed.cpp)
@@ -176,15 +200,16 @@ class MomentumSystem:
             return self._mixed.gather(self._solution.array_r, self._count), solved
 
     def _add_nodal_stiffness(self, nodal: NodalForces) -> None:
-        mine, nodes = self._mixed.local_nodes(nodal.particles, self._count)
-        if len(mine) == 0:
+        if len(nodal.rows) == 0:
             return
-        rows = (3 * nodes[:, None] + np.arange(2)).astype(np.int32)
-        columns = np.repeat(rows, 2, axis=0)
-        starts = np.arange(0, 2 * rows.size + 1, 2, dtype=np.int32)
-        self._matrix.setValuesLocalIJV(
-            starts,
-            columns.ravel(),
+        node = self._global_nodes
+        first, last = self._matrix.getOwnershipRange()
+        mine = (3 * node[nodal.rows] >= first) & (3 * node[nodal.rows] < last)
+        rows = (3 * node[nodal.rows[mine]][:, None] + np.arange(2)).astype(np.int32)
+        columns = (3 * node[nodal.columns[mine]][:, None] + np.arange(2)).astype(np.int32)
+        self._matrix.setValuesIJV(
+            np.arange(0, 2 * rows.size + 1, 2, dtype=np.int32),
+            np.repeat(columns, 2, axis=0).ravel(),
             nodal.stiffness[mine].ravel(),
             addv=PETSc.InsertMode.ADD_VALUES,
             rowmap=rows.ravel(),

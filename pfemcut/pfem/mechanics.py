@@ -29,9 +29,10 @@ from pfemcut.pfem.kinematics import (
     shape_gradients,
     tributary_lengths,
 )
+from pfemcut.pfem.loads import load_forces, part_particles
 from pfemcut.pfem.newton import Linearisation, solve_momentum
 from pfemcut.pfem.state import Fields
-from pfemcut.problem import Axis, Integrator, Problem
+from pfemcut.problem import Integrator, Problem
 from pfemcut.timing import Stopwatch
 
 Array = NDArray[np.float64]
@@ -62,6 +63,8 @@ class Motion:
         Cauchy pressure (MPa); (n,).
     reactions
         Forces of prescribed motions on the body (N/mm); (n, 2).
+    loads
+        Forces of loads on the body (N/mm); (n, 2).
     contact
         One entry for each tool.
     volume_ratio
@@ -77,6 +80,7 @@ class Motion:
     displacement: Array
     pressure: Array
     reactions: Array
+    loads: Array
     contact: tuple[ContactResult, ...]
     volume_ratio: Array
     trial: Trial
@@ -117,22 +121,19 @@ def volume_ratios(material: Material, mesh: Mesh, fields: Fields) -> Array:
     return volume_ratio_from_pressure(pressure / material.bulk_modulus, strain)
 
 
-def prescribed_increments(problem: Problem, mesh: Mesh, step: float) -> tuple[BoolArray, Array]:
+def prescribed_increments(
+    problem: Problem, mesh: Mesh, start_time: float, step: float
+) -> tuple[BoolArray, Array]:
     """Which unknowns (u_x, u_y, p) are prescribed and to what over ``step`` (s); both (n, 3)."""
     fixed = np.zeros((len(mesh.points), 3), dtype=bool)
     value = np.zeros((len(mesh.points), 3))
     for motion in problem.motions:
         particles = part_particles(problem, mesh, motion.part)
-        component = 0 if motion.axis is Axis.X else 1
-        fixed[particles, component] = True
-        value[particles, component] = motion.velocity * step
+        fixed[particles, motion.axis.value] = True
+        value[particles, motion.axis.value] = motion.displacement(start_time + step) - motion.displacement(
+            start_time
+        )
     return fixed, value
-
-
-def part_particles(problem: Problem, mesh: Mesh, part: str) -> IntArray:
-    """Particles on the boundary edges of ``part``."""
-    numbers = [i for i, name in enumerate(problem.body.parts) if name == part]
-    return np.unique(mesh.boundary.edges[np.isin(mesh.boundary.parts, numbers)])
 
 
 def solve_motion(
@@ -209,10 +210,16 @@ def solve_motion(
                 trial.mu_bar,
             ]
         )
-        nodal = _nodal_forces(contacts(unknown), unknown, mass, velocity, step)
+        nodal = NodalForces.sum(
+            [
+                *_contact_forces(contacts(unknown)),
+                load_forces(problem, mesh, unknown[:, :2], start_time + step),
+                _inertia_forces(unknown, mass, velocity, step),
+            ]
+        )
         return Linearisation(element, nodal, float(trial.jacobian.min()))
 
-    fixed, value = prescribed_increments(problem, mesh, step)
+    fixed, value = prescribed_increments(problem, mesh, start_time, step)
     start = np.column_stack([fields.last_displacement * (step / last_step), fields.pressure])
     start[fixed] = value[fixed]
     yield_stress = float(
@@ -238,6 +245,7 @@ def solve_motion(
         displacement=solution.unknown[:, :2].copy(),
         pressure=solution.unknown[:, 2].copy(),
         reactions=np.where(fixed[:, :2], solution.reactions, 0.0),
+        loads=_on_particles(load_forces(problem, mesh, solution.unknown[:, :2], start_time + step), count),
         contact=contacts(solution.unknown),
         volume_ratio=trial.jacobian * ratio,
         trial=trial,
@@ -246,23 +254,31 @@ def solve_motion(
     )
 
 
-def _nodal_forces(
-    contact: tuple[ContactResult, ...], unknown: Array, mass: Array, velocity: Array, step: float
-) -> NodalForces:
-    """Contact and inertia forces on the particles that have any."""
-    particles, forces, stiffness = [], [], []
+def _contact_forces(contact: tuple[ContactResult, ...]) -> list[NodalForces]:
+    """Forces on the particles that touch a tool."""
+    parts = []
     for each in contact:
         touching = each.forces.normal_force > 0.0
-        particles.append(each.particles[touching])
-        forces.append(each.forces.forces[touching])
-        stiffness.append(each.forces.stiffness[touching])
-    if mass.any():
-        particles.append(np.arange(len(mass)))
-        forces.append(-(mass / step)[:, None] * (unknown[:, :2] / step - velocity))
-        stiffness.append((mass / step**2)[:, None, None] * np.eye(2))
-    if not particles:
-        return NodalForces(np.empty(0, dtype=np.int64), np.empty((0, 2)), np.empty((0, 2, 2)))
-    return NodalForces(np.concatenate(particles), np.concatenate(forces), np.concatenate(stiffness))
+        parts.append(
+            NodalForces.local(
+                each.particles[touching], each.forces.forces[touching], each.forces.stiffness[touching]
+            )
+        )
+    return parts
+
+
+def _on_particles(nodal: NodalForces, count: int) -> Array:
+    forces = np.zeros((count, 2))
+    np.add.at(forces, nodal.particles, nodal.forces)
+    return forces
+
+
+def _inertia_forces(unknown: Array, mass: Array, velocity: Array, step: float) -> NodalForces:
+    """-m (u / dt - v) / dt on the particles with mass."""
+    heavy = np.flatnonzero(mass)
+    forces = -(mass / step)[:, None] * (unknown[:, :2] / step - velocity)
+    stiffness = (mass / step**2)[:, None, None] * np.eye(2)
+    return NodalForces.local(heavy, forces[heavy], stiffness[heavy])
 
 
 def update_plasticity(

@@ -8,7 +8,8 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from meshing.initial import polygon_mesh
+from meshing.initial import outline_mesh
+from meshing.mesh import Mesh
 from pfemcut.contact.penalty import ContactForces, contact_forces
 from pfemcut.materials.return_mapping import tensor_norm
 from pfemcut.method import ContactView, Frame, Measures
@@ -16,7 +17,7 @@ from pfemcut.pfem import energies
 from pfemcut.pfem.kinematics import element_mean, tributary_lengths
 from pfemcut.pfem.mechanics import volume_ratios
 from pfemcut.pfem.state import Clock, Ledger, State, from_arrays, initial_fields, to_arrays
-from pfemcut.pfem.step import PHASES, Kernels, StepRecord, advance
+from pfemcut.pfem.step import PHASES, Kernels, StepRecord, advance, held_parts
 from pfemcut.problem import Problem
 from pfemcut.timing import Stopwatch
 
@@ -24,7 +25,7 @@ Array = NDArray[np.float64]
 
 _ROOT_2_3 = np.sqrt(2.0 / 3.0)
 _ROOT_3_2 = np.sqrt(1.5)
-_NO_STEP = StepRecord(np.zeros(2), 0, 0, 0, 0, 0, 0.0)
+_NO_STEP = StepRecord(np.zeros(2), 0, 0, 0, 0, 0, 0.0, ())
 
 
 class PfemMethod:
@@ -42,15 +43,23 @@ class PfemMethod:
         """A run at time zero, with a new mesh."""
         body = problem.body
         # Every rank must hold the same bits, so one meshes for all.
-        mesh = MPI.COMM_WORLD.bcast(
-            polygon_mesh(np.asarray(body.outline), problem.particles.sizes, np.arange(len(body.parts)))
-            if MPI.COMM_WORLD.rank == 0
-            else None
-        )
-        fields = initial_fields(mesh, body.temperature)
+        mesh = MPI.COMM_WORLD.bcast(_initial_mesh(problem) if MPI.COMM_WORLD.rank == 0 else None)
         first = problem.time.first_step_fraction * problem.time.step
         clock = Clock(step=0, time=0.0, last_dt=first, next_dt=first)
-        return cls(problem, State(mesh, fields, clock, Ledger(), energies.mass(problem, mesh, fields)))
+        vx, vy = body.velocity
+        fields = initial_fields(mesh, body.temperature, (vx * first, vy * first))
+        return cls(
+            problem,
+            State(
+                mesh=mesh,
+                fields=fields,
+                clock=clock,
+                ledger=Ledger(),
+                initial_mass=energies.mass(problem, mesh, fields),
+                initial_kinetic_energy=energies.kinetic_energy(problem, mesh, fields, first),
+                probes=_nearest_particles(mesh, [probe.point for probe in problem.probes]),
+            ),
+        )
 
     @classmethod
     def restore(cls, problem: Problem, arrays: Mapping[str, NDArray[np.generic]]) -> PfemMethod:
@@ -130,6 +139,8 @@ class PfemMethod:
             "heat_error": (supplied - content) / supplied if supplied else 0.0,
             "area_drift": ledger.area_drift / cut_area if cut_area else 0.0,
             "mass_drift": energies.mass(problem, state.mesh, state.fields) / state.initial_mass - 1.0,
+            **self._reactions(),
+            **self._probed(),
         }
 
     def timing(self) -> Mapping[str, float]:
@@ -157,6 +168,7 @@ class PfemMethod:
             cells=mesh.cells,
             loops=mesh.boundary.loops,
             point_fields={
+                "displacement": fields.displacement,
                 "velocity": fields.last_displacement / state.clock.last_dt,
                 "pressure": fields.pressure,
                 "temperature": fields.temperature,
@@ -189,8 +201,27 @@ class PfemMethod:
         sinks = ledger.plastic + ledger.friction + elastic + ledger.thermoelastic
         sinks += ledger.contact + ledger.remeshing
         if self._problem.time.inertia:
-            sinks += kinetic
+            sinks += kinetic - self._state.initial_kinetic_energy
         return (work - sinks) / work if work else 0.0
+
+    def _reactions(self) -> dict[str, float]:
+        """Forces of the supports on the body (N/mm)."""
+        found = dict(self._record.reactions)
+        columns = {}
+        for part in held_parts(self._problem):
+            force = found.get(part, np.zeros(2))
+            columns[f"reaction_{part}_x"], columns[f"reaction_{part}_y"] = map(float, force)
+        return columns
+
+    def _probed(self) -> dict[str, float]:
+        """Displacement (mm) and temperature (K) of the probes' particles."""
+        mesh, fields = self._state.mesh, self._state.fields
+        columns = {}
+        for probe, identity in zip(self._problem.probes, self._state.probes, strict=True):
+            at = int(np.flatnonzero(mesh.ids == identity)[0])
+            columns[f"{probe.name}_ux"], columns[f"{probe.name}_uy"] = map(float, fields.displacement[at])
+            columns[f"{probe.name}_temperature"] = float(fields.temperature[at])
+        return columns
 
     def _contact_view(self) -> ContactView:
         problem, state = self._problem, self._state
@@ -213,3 +244,21 @@ class PfemMethod:
             )
         empty = np.empty(0)
         return ContactView(np.empty(0, dtype=np.int64), empty, empty, empty)
+
+
+def _initial_mesh(problem: Problem) -> Mesh:
+    body = problem.body
+    for mesh in body.given:
+        return mesh
+    return outline_mesh(
+        np.asarray(body.outline, dtype=np.float64),
+        problem.particles.sizes,
+        np.arange(len(body.parts)),
+        body.arcs,
+    )
+
+
+def _nearest_particles(mesh: Mesh, points: list[tuple[float, float]]) -> NDArray[np.int64]:
+    """Identities of the particles nearest to ``points``."""
+    nearest = [int(np.argmin(np.hypot(*(mesh.points - np.asarray(point)).T))) for point in points]
+    return mesh.ids[np.asarray(nearest, dtype=np.int64)]

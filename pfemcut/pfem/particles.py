@@ -13,15 +13,19 @@ from pfemcut.problem import ParticleControls, Problem
 from pfemcut.tools.rigid_wedge import RigidWedge
 
 Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
 _HOT = 0.25  # score above which plastic power keeps its particles: hysteresis against removal
 _HOT_REMOVAL = 0.4  # removal distance there, relative to the refined spacing, below the insertion distance
+_STRAIGHT = 1e-6  # sine of the turn below which a boundary is straight
 _CONTACT_EDGE = 0.1  # an edge whose ends are closer to the tool than this times its length lies on it
 
 
-def remesh_particles(problem: Problem, mesh: Mesh, fields: Fields, time: float) -> tuple[Mesh, RemeshMap]:
-    """Remove and insert particles and triangulate anew, at ``time`` (s).
+def remesh_particles(
+    problem: Problem, mesh: Mesh, fields: Fields, time: float, probe_ids: IntArray
+) -> tuple[Mesh, RemeshMap]:
+    """Remove and insert particles and triangulate anew, at ``time`` (s); particles with ``probe_ids`` stay.
 
     Raises
     ------
@@ -32,13 +36,16 @@ def remesh_particles(problem: Problem, mesh: Mesh, fields: Fields, time: float) 
     sizes = sizes_at(problem, time)
     tools = tuple(tool.at(time) for tool in problem.tool)
     score = plastic_power_score(mesh, fields, controls)
-    locked = supported_particles(problem, mesh)
+    probes = np.isin(mesh.ids, probe_ids)
+    locked = supported_particles(problem, mesh) | probes
+    scale = _removal_scale(mesh, score, controls)
+    scale[probes] = 0.0
     return remesh(
         mesh,
         sizes,
         spacing_rules(controls),
         refine_score=score,
-        removal_scale=_removal_scale(mesh, score, controls),
+        removal_scale=scale,
         locked=locked,
         free=_free_particles(mesh, tools, sizes, locked),
         place_boundary=lambda a, b: _place_on_surface(a, b, tools),
@@ -46,11 +53,9 @@ def remesh_particles(problem: Problem, mesh: Mesh, fields: Fields, time: float) 
 
 
 def sizes_at(problem: Problem, time: float) -> SizeField:
-    """The size field at ``time`` (s), carried along by the tool if it follows it."""
+    """The size field at ``time`` (s)."""
     controls = problem.particles
-    if not (controls.sizes_follow_tool and problem.tool):
-        return controls.sizes
-    return controls.sizes.moved(time * np.asarray(problem.tool[0].velocity))
+    return controls.sizes.moved(time * np.asarray(controls.sizes_velocity))
 
 
 def spacing_rules(controls: ParticleControls) -> SpacingRules:
@@ -78,15 +83,21 @@ def plastic_power_score(mesh: Mesh, fields: Fields, controls: ParticleControls) 
 
 
 def supported_particles(problem: Problem, mesh: Mesh) -> BoolArray:
-    """Particles with a prescribed motion and their neighbours on the boundary; shape (n,)."""
+    """Particles on curved boundary parts with a prescribed motion; shape (n,).
+
+    On a straight one, such as a symmetry line, a collapse stays on the line, so those are edited like others.
+    """
     names = {motion.part for motion in problem.motions}
     numbers = [i for i, name in enumerate(problem.body.parts) if name in names]
     boundary = mesh.boundary
     held = np.isin(boundary.parts, numbers)
-    entry = held | held[boundary.preceding]
-    entry = entry | entry[boundary.preceding] | entry[boundary.following]
+    at = mesh.points[boundary.particles]
+    back, ahead = at - at[boundary.preceding], at[boundary.following] - at
+    turn = np.abs(back[:, 0] * ahead[:, 1] - back[:, 1] * ahead[:, 0])
+    bent = turn > _STRAIGHT * np.hypot(*back.T) * np.hypot(*ahead.T)
+    curved = held & held[boundary.preceding] & bent
     supported = np.zeros(len(mesh.points), dtype=bool)
-    supported[boundary.particles[entry]] = True
+    supported[boundary.particles[curved]] = True
     return supported
 
 

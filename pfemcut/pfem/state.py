@@ -65,6 +65,8 @@ class Fields:
         Temperature that the last momentum solve saw, to which ``pressure`` belongs (K); (n,).
     pressure
         Cauchy pressure, tension positive (MPa); (n,).
+    displacement
+        Displacement since time zero (mm); (n, 2).
     last_displacement
         Displacement over the last step (mm), the predictor of the next; (n, 2).
     b_elastic
@@ -80,6 +82,7 @@ class Fields:
     temperature: Array = _stored(Where.PARTICLE, "K")
     momentum_temperature: Array = _stored(Where.PARTICLE, "K")
     pressure: Array = _stored(Where.PARTICLE, "MPa")
+    displacement: Array = _stored(Where.PARTICLE, "mm")
     last_displacement: Array = _stored(Where.PARTICLE, "mm")
     b_elastic: Array = _stored(Where.ELEMENT, "1")
     eqps: Array = _stored(Where.ELEMENT, "1")
@@ -93,14 +96,17 @@ def declarations() -> Iterator[Declaration]:
         yield Declaration(each.name, each.metadata["where"], each.metadata["unit"], each.metadata["transfer"])
 
 
-def initial_fields(mesh: Mesh, temperature: float) -> Fields:
-    """Stress-free fields at a uniform temperature (K)."""
+def initial_fields(
+    mesh: Mesh, temperature: float, last_displacement: tuple[float, float] = (0.0, 0.0)
+) -> Fields:
+    """Stress-free fields at a uniform temperature (K) and, for inertia, displacement over the step before (mm)."""
     n, m = len(mesh.points), len(mesh.cells)
     return Fields(
         temperature=np.full(n, temperature),
         momentum_temperature=np.full(n, temperature),
         pressure=np.zeros(n),
-        last_displacement=np.zeros((n, 2)),
+        displacement=np.zeros((n, 2)),
+        last_displacement=np.tile(np.asarray(last_displacement, dtype=np.float64), (n, 1)),
         b_elastic=np.tile([1.0, 1.0, 1.0, 0.0], (m, 1)),
         eqps=np.zeros(m),
         multiplier_rate=np.zeros(m),
@@ -163,7 +169,8 @@ class Ledger:
 class State:
     """Mesh, fields, clock and ledger: what a checkpoint holds.
 
-    ``initial_mass`` and ``initial_energy`` (stored elastic energy) are those of the start (tonne/mm, mJ/mm).
+    ``initial_mass`` and ``initial_kinetic_energy`` are those of the start (tonne/mm, mJ/mm); ``probes`` are the
+    identities of the particles that the problem's probes follow.
     """
 
     mesh: Mesh
@@ -171,6 +178,8 @@ class State:
     clock: Clock
     ledger: Ledger
     initial_mass: float
+    initial_kinetic_energy: float
+    probes: IntArray
 
 
 def to_arrays(state: State) -> dict[str, NDArray[np.generic]]:
@@ -185,6 +194,8 @@ def to_arrays(state: State) -> dict[str, NDArray[np.generic]]:
         "mesh/boundary/parts": mesh.boundary.parts,
         "mesh/boundary/starts": mesh.boundary.starts,
         "initial_mass": np.asarray(state.initial_mass),
+        "initial_kinetic_energy": np.asarray(state.initial_kinetic_energy),
+        "probes": state.probes,
     }
     for group, data in (("fields", state.fields), ("clock", state.clock), ("ledger", state.ledger)):
         for each in dataclasses.fields(data):
@@ -215,4 +226,6 @@ def from_arrays(arrays: Mapping[str, NDArray[np.generic]]) -> State:
         group(Clock, "clock", scalar=True),
         group(Ledger, "ledger", scalar=True),
         float(arrays["initial_mass"]),
+        float(arrays["initial_kinetic_energy"]),
+        np.asarray(arrays["probes"], dtype=np.int64),
     )

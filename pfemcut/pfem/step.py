@@ -17,6 +17,7 @@ from pfemcut.fem.momentum_system import MomentumKernels
 from pfemcut.method import CutEnded, RunStopped
 from pfemcut.pfem import energies
 from pfemcut.pfem.kinematics import element_mean
+from pfemcut.pfem.loads import part_particles
 from pfemcut.pfem.mechanics import Motion, PlasticUpdate, solve_motion, thermal_strain, update_plasticity
 from pfemcut.pfem.newton import StepFailed
 from pfemcut.pfem.particles import remesh_particles
@@ -66,6 +67,8 @@ class StepRecord:
         Linear solves of the momentum equation.
     plastic_power
         Total (mW/mm).
+    reactions
+        Force of the support on the body by name of each part with a prescribed motion (N/mm).
     """
 
     tool_force: Array
@@ -75,6 +78,7 @@ class StepRecord:
     outside: int
     newton_iterations: int
     plastic_power: float
+    reactions: tuple[tuple[str, Array], ...]
 
 
 def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) -> tuple[State, StepRecord]:
@@ -130,6 +134,7 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
             motion.volume_ratio,
             _heating_power(problem, motion, plastic, power, step),
             motion.contact,
+            state.clock.time + step,
             step,
         )
     with watch.phase("ledger"):
@@ -137,6 +142,7 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
             temperature=fields.temperature + heating.increment,
             momentum_temperature=fields.temperature,
             pressure=motion.pressure,
+            displacement=fields.displacement + motion.displacement,
             last_displacement=motion.displacement,
             b_elastic=plastic.b_elastic,
             eqps=plastic.eqps,
@@ -153,7 +159,12 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
         last_dt=step,
         next_dt=min(problem.time.growth * step, problem.time.step),
     )
-    return State(moved, new_fields, clock, ledger, state.initial_mass), record
+    return replace(state, mesh=moved, fields=new_fields, clock=clock, ledger=ledger), record
+
+
+def held_parts(problem: Problem) -> tuple[str, ...]:
+    """Names of the parts with a prescribed motion, each once."""
+    return tuple(dict.fromkeys(motion.part for motion in problem.motions))
 
 
 def _particle_step(
@@ -163,7 +174,9 @@ def _particle_step(
         return state.mesh, state.fields, ()
     with watch.phase("particles"):
         try:
-            mesh, remesh_map = remesh_particles(problem, state.mesh, state.fields, state.clock.time)
+            mesh, remesh_map = remesh_particles(
+                problem, state.mesh, state.fields, state.clock.time, state.probes
+            )
         except BoundaryCrossing as crossing:
             raise CutEnded(f"{problem.body.name} touches itself: {crossing}") from crossing
     with watch.phase("transfer"):
@@ -233,7 +246,7 @@ def _record(
         friction=friction,
         thermoelastic=float(np.sum(pressure * warming * areas)),
         contact=spring - energies.contact_energy(problem, mesh, state.clock.time),
-        boundary_work=float(np.sum(motion.reactions * motion.displacement)),
+        boundary_work=float(np.sum((motion.reactions + motion.loads) * motion.displacement)),
         heat_generated=heating.generated,
         heat_supplied=heating.supplied,
     )
@@ -245,6 +258,10 @@ def _record(
         outside=sum(each.outside for each in remesh_map),
         newton_iterations=motion.iterations,
         plastic_power=total_power,
+        reactions=tuple(
+            (part, motion.reactions[part_particles(problem, mesh, part)].sum(axis=0))
+            for part in held_parts(problem)
+        ),
     )
     return record, ledger
 

@@ -11,10 +11,12 @@ from meshing.mesh import Mesh, signed_areas
 from pfemcut.fem.distribution import DistributedMesh
 from pfemcut.fem.heat_system import HeatKernels, solve_temperature_increment
 from pfemcut.pfem.kinematics import element_mean, lumped, tributary_lengths
-from pfemcut.pfem.mechanics import ContactResult, part_particles
-from pfemcut.problem import Problem
+from pfemcut.pfem.loads import part_edges, part_particles
+from pfemcut.pfem.mechanics import ContactResult
+from pfemcut.problem import MovingHeatBand, Problem
 
 Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -51,6 +53,7 @@ def solve_heat(
     volume_ratio: Array,
     plastic_power: Array,
     contact: tuple[ContactResult, ...],
+    time: float,
     step: float,
 ) -> Heating:
     """One backward-Euler step on ``mesh``, which has its particles at their new positions.
@@ -65,8 +68,8 @@ def solve_heat(
         Plastic power per current volume (mW/mm³); (m,).
     contact
         Contact results, whose friction heats.
-    step
-        s.
+    time, step
+        Time at the end of the step, and its length (s).
     """
     material = problem.body.material
     count = len(mesh.points)
@@ -76,14 +79,14 @@ def solve_heat(
     sources = lumped(material.taylor_quinney * plastic_power * areas, mesh.cells, count)
     for each in contact:
         sources[each.particles] += problem.contact.heat_partition * each.forces.friction_power
-    flux = _boundary_flux(problem, mesh)
+    flux, exchange = _boundary_flux(problem, mesh, temperature, time)
 
     fixed = np.zeros(count, dtype=bool)
     fixed_increment = np.zeros(count)
     for condition in problem.temperatures:
         particles = part_particles(problem, mesh, condition.part)
         fixed[particles] = True
-        fixed_increment[particles] = condition.temperature - temperature[particles]
+        fixed_increment[particles] = condition.temperature(time) - temperature[particles]
     increment = solve_temperature_increment(
         kernels,
         distributed,
@@ -92,20 +95,58 @@ def solve_heat(
         lumped_capacity,
         material.conductivity(element_mean(temperature, mesh.cells)),
         sources + flux,
+        exchange,
         fixed,
         fixed_increment,
     )
     stored = float(lumped_capacity @ increment) * step
     generated = float(sources.sum()) * step
-    supplied = stored - generated if fixed.any() else float(flux.sum()) * step
+    through = float(flux.sum() - exchange @ increment) * step
+    supplied = stored - generated if fixed.any() else through
     return Heating(increment, generated, supplied)
 
 
-def _boundary_flux(problem: Problem, mesh: Mesh) -> Array:
-    """Prescribed heat flux integrated to particles (mW/mm); (n,)."""
-    power = np.zeros(len(mesh.points))
-    for condition in problem.fluxes:
-        numbers = [i for i, name in enumerate(problem.body.parts) if name == condition.part]
-        edges = mesh.boundary.edges[np.isin(mesh.boundary.parts, numbers)]
-        power += condition.flux * tributary_lengths(mesh.points, edges, len(power))
-    return power
+def _boundary_flux(problem: Problem, mesh: Mesh, temperature: Array, time: float) -> tuple[Array, Array]:
+    """Heat through the boundary at the temperature of the start of the step, and what a kelvin more takes away.
+
+    Returns
+    -------
+    power
+        mW/mm; (n,).
+    exchange
+        mW/(mm K); (n,).
+    """
+    count = len(mesh.points)
+    power, exchange = np.zeros(count), np.zeros(count)
+    for flux in problem.fluxes:
+        edges = part_edges(problem, mesh, flux.part)
+        power += flux.flux(time) * tributary_lengths(mesh.points, edges, count)
+    for band in problem.heat_bands:
+        edges = part_edges(problem, mesh, band.part)
+        power += band.flux * _band_lengths(mesh.points, edges, band, time)
+    for convection in problem.convections:
+        edges = part_edges(problem, mesh, convection.part)
+        coefficient = convection.coefficient * tributary_lengths(mesh.points, edges, count)
+        power += coefficient * (convection.ambient(time) - temperature)
+        exchange += coefficient
+    return power, exchange
+
+
+def _band_lengths(points: Array, edges: IntArray, band: MovingHeatBand, time: float) -> Array:
+    """Length of each edge inside the band, given to its two particles as a linear field would have it; (n,)."""
+    start, end = points[edges[:, 0]], points[edges[:, 1]]
+    shift = band.velocity * time
+    run = end[:, 0] - start[:, 0]
+    level = np.abs(run) < 1e-12
+    slope = np.where(level, 1.0, run)
+    s1 = (band.lower + shift - start[:, 0]) / slope
+    s2 = (band.upper + shift - start[:, 0]) / slope
+    inside = (start[:, 0] > band.lower + shift) & (start[:, 0] < band.upper + shift)
+    low = np.where(level, 0.0, np.clip(np.minimum(s1, s2), 0.0, 1.0))
+    high = np.where(level, inside.astype(float), np.clip(np.maximum(s1, s2), 0.0, 1.0))
+    length = np.hypot(*(end - start).T)
+    to_end = 0.5 * (high**2 - low**2) * length
+    to_start = (high - low) * length - to_end
+    total = np.bincount(edges[:, 0], to_start, minlength=len(points))
+    total = total + np.bincount(edges[:, 1], to_end, minlength=len(points))
+    return total.astype(np.float64, copy=False)
