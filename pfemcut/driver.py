@@ -30,7 +30,7 @@ from pfemcut.results.history import CORE_COLUMNS, read_table
 from pfemcut.results.summary import Summary, summarise, write_summary
 
 if TYPE_CHECKING:
-    from pfemcut.case.schema import Case
+    from pfemcut.case.load import AnyCase
     from pfemcut.materials.material import Material
 
 
@@ -67,14 +67,20 @@ class MethodFactory:
 
 
 def run_case(
-    case: Case, material: Material, directory: Path | str, *, resume: bool = False, overwrite: bool = False
+    case: AnyCase,
+    material: Material,
+    directory: Path | str,
+    *,
+    base_directory: Path = Path(),
+    resume: bool = False,
+    overwrite: bool = False,
 ) -> Summary:
-    """Run a cutting case with the PFEM and return its summary; see :func:`run_problem`."""
-    from pfemcut.case.cutting import cutting_problem
+    """Run a case with the PFEM and return its summary; see :func:`run_problem`."""
     from pfemcut.case.load import resolved_toml
+    from pfemcut.case.translate import problem_of
     from pfemcut.pfem.method import PfemMethod
 
-    problem = cutting_problem(case, material)
+    problem = problem_of(case, material, base_directory)
     factory = MethodFactory(
         start=lambda: PfemMethod.start(problem), restore=lambda state: PfemMethod.restore(problem, state)
     )
@@ -94,12 +100,12 @@ def report_case(directory: Path) -> None:
     UserError
         If the directory holds no run's results or they are damaged.
     """
-    from pfemcut.case.cutting import cutting_problem
     from pfemcut.case.load import validated
+    from pfemcut.case.translate import problem_of
     from pfemcut.output.report import write_report
 
     if not (directory / SUMMARY).exists():
-        problem = cutting_problem(*validated(read_toml(directory / INPUTS), directory))
+        problem = problem_of(*validated(read_toml(directory / INPUTS), directory), directory)
         ending = "had not ended when this was written"
         summary = summary_of(directory, problem, finished=False, ending=ending, warnings=(ending,))
         with writing(directory):

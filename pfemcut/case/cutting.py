@@ -5,21 +5,16 @@ from __future__ import annotations
 import math
 
 from meshing.sizes import Box, Capsule, SizeField, SizeZone
+from pfemcut.case.controls import contact_law, newton_controls, particle_controls, time_controls
 from pfemcut.case.load import initial_temperature
 from pfemcut.case.schema import Case, Cutting, Mesh, Tool
 from pfemcut.materials.material import Material
 from pfemcut.problem import (
     Axis,
     Body,
-    ContactLaw,
     Cut,
-    HeatSource,
-    Integrator,
     MovingTool,
-    NewtonControls,
-    ParticleControls,
     Problem,
-    TimeControls,
     fixed,
 )
 from pfemcut.tools.rigid_wedge import RigidWedge
@@ -50,38 +45,12 @@ def cutting_problem(case: Case, material: Material) -> Problem:
             fixed("fixed", Axis.X),
         ),
         tool=(MovingTool(tool, (-case.cutting.speed, 0.0)),),
-        contact=ContactLaw(
-            penalty=case.contact.penalty,
-            friction=case.contact.friction,
-            reference_speed=case.contact.reference_speed,
-            heat_partition=case.contact.heat_partition,
+        contact=contact_law(case.contact),
+        particles=particle_controls(
+            mesh, size_field(mesh, tool, case.cutting.depth, height), (-case.cutting.speed, 0.0)
         ),
-        particles=ParticleControls(
-            sizes=size_field(mesh, tool, case.cutting.depth, height),
-            sizes_velocity=(-case.cutting.speed, 0.0),
-            remesh=mesh.remesh,
-            insert=mesh.insert,
-            remove=mesh.remove,
-            boundary_split=mesh.boundary_split,
-            boundary_removal=mesh.boundary_removal,
-            interior_radius=mesh.interior_radius,
-            interior_area=mesh.interior_area,
-            interior_spacing=mesh.interior_spacing,
-            interior_removal=mesh.interior_removal,
-            power_tolerance=mesh.power_tolerance,
-            power_smallest=mesh.power_smallest,
-        ),
-        time=TimeControls(
-            step=case.time.step,
-            end=case.cutting.travel / case.cutting.speed,
-            first_step_fraction=case.time.first_step_fraction,
-            growth=case.time.growth,
-            smallest_step_fraction=case.time.smallest_step_fraction,
-            integrator=Integrator(case.time.integrator),
-            heat_source=HeatSource(case.time.heat_source),
-            inertia=case.time.inertia,
-        ),
-        newton=NewtonControls(case.solver.tolerance, case.solver.max_iterations),
+        time=time_controls(case.time, case.cutting.travel / case.cutting.speed),
+        newton=newton_controls(case.solver),
         stabilisation=case.solver.stabilisation,
         cut=(Cut(depth=case.cutting.depth, speed=case.cutting.speed, surface=height),),
     )

@@ -10,17 +10,21 @@ from typing import Any
 import tomli_w
 from pydantic import ValidationError
 
+from pfemcut.case.general_schema import GeneralCase
 from pfemcut.case.schema import Case
 from pfemcut.inputs import InputError, explained, read_toml
 from pfemcut.materials.load import load_material, material_table
 from pfemcut.materials.material import Material
 
 
+AnyCase = Case | GeneralCase
+
+
 class CaseError(InputError):
     """A case that can't be run as given; one line a problem."""
 
 
-def load_case(path: Path | str, overrides: Sequence[str] = ()) -> tuple[Case, Material]:
+def load_case(path: Path | str, overrides: Sequence[str] = ()) -> tuple[AnyCase, Material]:
     """Read, override and validate a case file and the material it names.
 
     Parameters
@@ -47,7 +51,7 @@ def load_case(path: Path | str, overrides: Sequence[str] = ()) -> tuple[Case, Ma
         raise CaseError(error.problems) from None
 
 
-def validated(table: Mapping[str, Any], base_directory: Path) -> tuple[Case, Material]:
+def validated(table: Mapping[str, Any], base_directory: Path) -> tuple[AnyCase, Material]:
     """The case and the material of an already parsed case file in ``base_directory``.
 
     Raises
@@ -56,21 +60,31 @@ def validated(table: Mapping[str, Any], base_directory: Path) -> tuple[Case, Mat
         With one line for each problem found.
     """
     problems: list[str] = []
+    model: type[Case] | type[GeneralCase] = GeneralCase if table.get("problem") == "general" else Case
     try:
-        case = Case.model_validate(table)
+        case = model.model_validate(table)
     except ValidationError as error:
-        problems += explained(error, Case)
+        problems += explained(error, model)
     # The material is looked at even when the rest is wrong, so that one try shows all problems.
     try:
-        workpiece = table.get("workpiece")
-        spec = workpiece.get("material") if isinstance(workpiece, Mapping) else None
+        spec, section = _material_spec(table)
         if isinstance(spec, str | Mapping):
-            material = load_material(spec, base_directory)
+            material = load_material(spec, base_directory, section=section)
     except InputError as error:
         problems += error.problems
     if problems:
         raise CaseError(problems)
     return case, material
+
+
+def _material_spec(table: Mapping[str, Any]) -> tuple[Any, str]:
+    """What the case gives as material, and where it does."""
+    if table.get("problem") == "general":
+        bodies = table.get("body")
+        holder, section = (bodies[0] if isinstance(bodies, list) and bodies else None), "body.material"
+    else:
+        holder, section = table.get("workpiece"), "workpiece.material"
+    return (holder.get("material") if isinstance(holder, Mapping) else None), section
 
 
 def overridden(table: Mapping[str, Any], override: str) -> dict[str, Any]:
@@ -109,17 +123,18 @@ def _value(text: str) -> Any:
     return document["value"] if list(document) == ["value"] else text
 
 
-def resolved_toml(case: Case, material: Material) -> str:
+def resolved_toml(case: AnyCase, material: Material) -> str:
     """Case file with every default written out and the material inlined: it alone reproduces the run."""
-    table = case.model_dump()
-    table["workpiece"]["temperature"] = initial_temperature(case, material)
+    table = case.model_dump(exclude_none=True)
+    holder = table["body"][0] if isinstance(case, GeneralCase) else table["workpiece"]
+    holder["temperature"] = initial_temperature(case, material)
     # Last, so that its sub-table does not swallow the keys behind it.
-    del table["workpiece"]["material"]
-    table["workpiece"]["material"] = material_table(material)
+    del holder["material"]
+    holder["material"] = material_table(material)
     return tomli_w.dumps(table)
 
 
-def initial_temperature(case: Case, material: Material) -> float:
-    """Temperature (K) of the workpiece at time zero."""
-    given = case.workpiece.temperature
+def initial_temperature(case: AnyCase, material: Material) -> float:
+    """Temperature (K) of the body at time zero."""
+    given = (case.body[0] if isinstance(case, GeneralCase) else case.workpiece).temperature
     return material.reference_temperature if given is None else given

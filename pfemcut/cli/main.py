@@ -16,8 +16,7 @@ from typing import Annotated
 import typer
 
 from pfemcut.case.check import figures, warnings
-from pfemcut.case.load import load_case
-from pfemcut.case.schema import Case
+from pfemcut.case.load import AnyCase, load_case
 from pfemcut.cli.table import result_lines
 from pfemcut.inputs import InputError, UserError
 from pfemcut.materials.load import described, library_names, load_material
@@ -99,7 +98,14 @@ def run(
     case = _directed(case, output)
     from pfemcut.driver import run_case
 
-    summary = run_case(case, material, Path(case.output.directory), resume=resume, overwrite=overwrite)
+    summary = run_case(
+        case,
+        material,
+        Path(case.output.directory),
+        base_directory=case_file.parent,
+        resume=resume,
+        overwrite=overwrite,
+    )
     for line in result_lines(summary):
         _say(line)
     if not summary.finished:
@@ -110,7 +116,7 @@ def run(
 def check(case_file: CaseFile, overrides: Overrides = []) -> None:  # noqa: B006 (typer copies it)
     """Validate a case and print its main figures."""
     case, material = load_case(case_file, overrides)
-    for name, text in figures(case, material):
+    for name, text in figures(case, material, case_file.parent):
         _say(f"{name:<11} {text}")
     for text in warnings(case):
         _say(f"warning: {text}")
@@ -143,7 +149,7 @@ def materials(
         _say(f"{known:<12} {material.name}: {material.source}")
 
 
-def _directed(case: Case, output: Path | None) -> Case:
+def _directed(case: AnyCase, output: Path | None) -> AnyCase:
     """The case with its output folder replaced, if another one is asked for."""
     if output is None:
         return case

@@ -40,6 +40,7 @@ IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
 _ROOT_2_3 = np.sqrt(2.0 / 3.0)
+_ELASTIC_STRAIN = 1e-3  # gives a stress of that kind to a material that does not yield
 _NEGLIGIBLE_STRESS = 1e-3  # of the initial flow stress: scale of a force that counts before there is contact
 
 
@@ -237,7 +238,7 @@ def solve_motion(
             start,
             fixed,
             material.bulk_modulus / size,
-            _NEGLIGIBLE_STRESS * yield_stress * float(size.min()),
+            _NEGLIGIBLE_STRESS * min(yield_stress, _ELASTIC_STRAIN * material.shear_modulus) * float(size.min()),
             problem.newton,
         )
     trial, multiplier = kinematics(solution.unknown)

@@ -1,0 +1,64 @@
+"""From the sections that all case files share to the controls of a problem."""
+
+from __future__ import annotations
+
+from meshing.sizes import SizeField
+from pfemcut.case.sections import Contact, Solver, Spacing, Time
+from pfemcut.problem import (
+    ContactLaw,
+    HeatSource,
+    Integrator,
+    NewtonControls,
+    ParticleControls,
+    TimeControls,
+)
+
+
+def contact_law(contact: Contact) -> ContactLaw:
+    """The law of contact."""
+    return ContactLaw(
+        penalty=contact.penalty,
+        friction=contact.friction,
+        reference_speed=contact.reference_speed,
+        heat_partition=contact.heat_partition,
+    )
+
+
+def particle_controls(
+    spacing: Spacing, sizes: SizeField, sizes_velocity: tuple[float, float]
+) -> ParticleControls:
+    """Insertion and removal in a size field that moves with ``sizes_velocity`` (mm/s)."""
+    return ParticleControls(
+        sizes=sizes,
+        sizes_velocity=sizes_velocity,
+        remesh=spacing.remesh,
+        insert=spacing.insert,
+        remove=spacing.remove,
+        boundary_split=spacing.boundary_split,
+        boundary_removal=spacing.boundary_removal,
+        interior_radius=spacing.interior_radius,
+        interior_area=spacing.interior_area,
+        interior_spacing=spacing.interior_spacing,
+        interior_removal=spacing.interior_removal,
+        power_tolerance=spacing.power_tolerance,
+        power_smallest=spacing.power_smallest,
+    )
+
+
+def time_controls(time: Time, end: float) -> TimeControls:
+    """Time stepping until ``end`` (s)."""
+    return TimeControls(
+        step=time.step,
+        end=end,
+        first_step_fraction=time.first_step_fraction,
+        growth=time.growth,
+        smallest_step_fraction=time.smallest_step_fraction,
+        integrator=Integrator(time.integrator),
+        heat_source=HeatSource(time.heat_source),
+        inertia=time.inertia,
+    )
+
+
+def newton_controls(solver: Solver) -> NewtonControls:
+    """Newton iteration."""
+    return NewtonControls(solver.tolerance, solver.max_iterations)
