@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 
 from meshing.sizes import SizeField
 from pfemcut.case.cutting import cutting_problem
-from pfemcut.case.load import initial_temperature
-from pfemcut.case.schema import Case
+from pfemcut.case.general import general_problem
+from pfemcut.case.general_schema import GeneralCase
+from pfemcut.case.load import AnyCase, initial_temperature
 from pfemcut.materials.material import Material
 
 
-def figures(case: Case, material: Material) -> list[tuple[str, str]]:
-    """Main figures of the case, as name and text with unit."""
+def figures(case: AnyCase, material: Material, base_directory: Path) -> list[tuple[str, str]]:
+    """Main figures of the case, as name and text with unit; its files lie in ``base_directory``."""
+    if isinstance(case, GeneralCase):
+        return _general_figures(case, material, base_directory)
     cutting, tool, mesh = case.cutting, case.tool, case.mesh
     problem = cutting_problem(case, material)
     length, height = case.workpiece.length, case.workpiece.height
@@ -47,8 +51,23 @@ def figures(case: Case, material: Material) -> list[tuple[str, str]]:
     ]
 
 
-def warnings(case: Case) -> list[str]:
+def _general_figures(case: GeneralCase, material: Material, base_directory: Path) -> list[tuple[str, str]]:
+    problem = general_problem(case, material, base_directory)
+    return [
+        ("title", problem.title),
+        ("material", f"{material.name}, initially at {problem.body.temperature:g} K"),
+        ("parts", ", ".join(dict.fromkeys(problem.body.parts))),
+        ("integrator", case.time.integrator),
+        ("steps", f"about {case.time.end / case.time.step:.0f} of {case.time.step:g} s"),
+        ("spacing", f"{case.mesh.size:g} mm, {len(case.mesh.refine)} finer regions"),
+        ("output", case.output.directory),
+    ]
+
+
+def warnings(case: AnyCase) -> list[str]:
     """Choices that are allowed but make a cut inaccurate or meaningless; one line each."""
+    if isinstance(case, GeneralCase):
+        return []
     cutting, tool, mesh, work = case.cutting, case.tool, case.mesh, case.workpiece
     advance = cutting.speed * case.time.step
     checks = [

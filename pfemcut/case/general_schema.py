@@ -38,7 +38,9 @@ class TimeTable(Section):
     @model_validator(mode="after")
     def _is_a_function(self) -> Self:
         if len(self.time) != len(self.value):
-            raise ValueError(f"time has {len(self.time)} entries and value {len(self.value)}: must be as many")
+            raise ValueError(
+                f"time has {len(self.time)} entries and value {len(self.value)}: must be as many"
+            )
         if any(b <= a for a, b in zip(self.time, self.time[1:], strict=False)):
             raise ValueError("time: must increase")
         return self

@@ -16,7 +16,6 @@ from pfemcut.inputs import InputError, explained, read_toml
 from pfemcut.materials.load import load_material, material_table
 from pfemcut.materials.material import Material
 
-
 AnyCase = Case | GeneralCase
 
 

@@ -238,7 +238,9 @@ def solve_motion(
             start,
             fixed,
             material.bulk_modulus / size,
-            _NEGLIGIBLE_STRESS * min(yield_stress, _ELASTIC_STRAIN * material.shear_modulus) * float(size.min()),
+            _NEGLIGIBLE_STRESS
+            * min(yield_stress, _ELASTIC_STRAIN * material.shear_modulus)
+            * float(size.min()),
             problem.newton,
         )
     trial, multiplier = kinematics(solution.unknown)
