@@ -89,7 +89,6 @@ def test_crossing_boundary_is_refused() -> None:
         constrained_delaunay(bow_tie, edges)
 
 
-@pytest.mark.xfail(strict=True, reason="CDT splits the edge at the particle, and nothing says so")
 def test_touching_boundary_is_refused() -> None:
     """A chip's particle that lies exactly on another edge."""
     points = np.array([(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (1.0, 0.0), (0.0, 2.0)])
@@ -154,9 +153,6 @@ def test_short_edges_vanish_within_a_few_collapses() -> None:
     assert edge_lengths(outline).min() >= limit
 
 
-@pytest.mark.xfail(
-    strict=True, reason="edges that may not go compete for being the shortest and block the others"
-)
 def test_a_corner_does_not_keep_short_edges_from_collapsing() -> None:
     """Edges shorten towards a corner, whose own edge stays: the others must go within a few passes."""
     x = np.r_[0.0, np.cumsum(np.linspace(1.0, 0.1, 30))]
@@ -224,7 +220,6 @@ def test_split_on_the_chord_moves_nothing(outline, factor) -> None:
     assert edited.area == pytest.approx(outline.area, rel=1e-13)
 
 
-@pytest.mark.xfail(strict=True, reason="Newton along a direction whose area gain cancels restores no area")
 @example(30, 0.0625, 0.0)
 @given(st.integers(30, 60), st.floats(0.01, 0.1), st.floats(-1.0, 1.0))
 def test_opposite_insertions_move_the_boundary_no_more_than_their_sagitta(count, height, imbalance) -> None:
@@ -243,9 +238,6 @@ def test_opposite_insertions_move_the_boundary_no_more_than_their_sagitta(count,
     assert edited.area == pytest.approx(outline.area, rel=1e-12)
 
 
-@pytest.mark.xfail(
-    strict=True, reason="the window lies one particle too far back: searchsorted needs side='right'"
-)
 def test_area_of_an_insertion_is_returned_nearby_and_gently() -> None:
     """On a circle of 100, one insertion moves only the 12 nearest free particles, by less than the sagitta."""
     outline = circle(100)
