@@ -76,7 +76,8 @@ def collapse_short_edges(outline: Outline, shortest: Array, locked: BoolArray) -
     ends = points[following]
     length = np.hypot(*(ends - points).T)
     fixed = locked | corners(outline)
-    ratio = length / shortest
+    # Edges that may not go don't compete with those that may.
+    ratio = np.where(fixed | fixed[following], np.inf, length / np.maximum(shortest, 1e-300))
     # Only the shortest of five consecutive edges may go, so that no two collapses share a particle.
     forward1, forward2 = ratio[following], ratio[following[following]]
     backward1, backward2 = ratio[loops.preceding], ratio[loops.preceding[loops.preceding]]
@@ -131,37 +132,43 @@ def split_long_edges(outline: Outline, longest: Array, place: PlaceBoundary, fre
     a, b = outline.points[split], ends[split]
     new = place(a, b)
     gained = 0.5 * _cross(new - a, b - a)
-    shift = _return_area(outline, split, -gained, free)
+    amplitude, normal = _return_area(outline, split, -gained, free)
+    shift = amplitude[:, None] * normal
     grown = Outline(
         np.insert(outline.points + shift, split + 1, new, axis=0),
         np.insert(outline.particles, split + 1, -1),
         np.insert(outline.parts, split + 1, outline.parts[split]),
         outline.starts + np.searchsorted(split, outline.starts),
     )
-    return _restore_area(grown, np.insert(shift, split + 1, 0.0, axis=0), outline.area)
+    # What is left of second order is given back one way, so that returns of opposite sign don't cancel.
+    direction = np.insert(np.abs(amplitude)[:, None] * normal, split + 1, 0.0, axis=0)
+    return _restore_area(grown, direction, outline.area)
 
 
-def _return_area(outline: Outline, edges: IntArray, deficit: Array, free: BoolArray) -> Array:
-    """Normal shifts (b, 2) of free entries near ``edges`` that enclose ``deficit`` (mm²) more, to first order."""
+def _return_area(outline: Outline, edges: IntArray, deficit: Array, free: BoolArray) -> tuple[Array, Array]:
+    """Shifts (b,) of free entries near ``edges`` along the normals (b, 2) that enclose ``deficit`` (mm²) more."""
     loops = outline.topology
     tangent = outline.points[loops.following] - outline.points[loops.preceding]
     weight_length = 0.5 * np.hypot(*tangent.T)
     normal = np.column_stack([tangent[:, 1], -tangent[:, 0]]) / (2.0 * weight_length)[:, None]
     shift = np.zeros(len(free))
-    movable = np.flatnonzero(free)
-    if len(movable) < 2 * _RETURN_WIDTH:
-        return np.zeros_like(outline.points)
-    first = np.searchsorted(movable, edges)
-    window = np.arange(-_RETURN_WIDTH, _RETURN_WIDTH)
+    movable = np.flatnonzero(free & ~corners(outline))
+    if len(movable) < 2:
+        movable = np.flatnonzero(free)
+    width = min(_RETURN_WIDTH, len(movable) // 2)
+    if width == 0:
+        return shift, normal
+    first = np.searchsorted(movable, edges, side="right")
+    window = np.arange(-width, width)
     neighbours = movable[(first[:, None] + window) % len(movable)]
-    bump = np.cos(0.5 * np.pi * (window + 0.5) / (_RETURN_WIDTH + 0.5)) ** 2
+    bump = np.cos(0.5 * np.pi * (window + 0.5) / (width + 0.5)) ** 2
     amplitude = deficit / np.sum(bump * weight_length[neighbours], axis=1)
     np.add.at(shift, neighbours, amplitude[:, None] * bump)
-    return shift[:, None] * normal
+    return shift, normal
 
 
 def _restore_area(outline: Outline, direction: Array, area: float) -> Outline:
-    """Scale the shifts ``direction`` (b, 2), already applied once, so that the enclosed area is ``area`` exactly."""
+    """Shift the entries along ``direction`` (b, 2) so far that the enclosed area is ``area`` exactly."""
     if not direction.any():
         return outline
     following = outline.topology.following

@@ -21,6 +21,10 @@ _CLAMP = 0.9  # the extrapolated return takes at most this part of the trial str
 _TINY = 1e-10  # MPa, as in the weak form
 
 
+class ReturnMappingFailed(Exception):
+    """The plastic multiplier was not found to its tolerance."""
+
+
 @dataclass(frozen=True)
 class Trial:
     """Elastic trial state for a relative deformation gradient.
@@ -101,6 +105,11 @@ def implicit_multiplier(
         Equivalent plastic strain at the start of the step, and temperature (K); shape (m,).
     step
         Time step (s).
+
+    Raises
+    ------
+    ReturnMappingFailed
+        If the iteration does not converge.
     """
     zero = np.zeros_like(eqps)
     value, by_norm, by_mu_bar = zero.copy(), zero.copy(), zero.copy()
@@ -120,10 +129,15 @@ def implicit_multiplier(
             low = np.where(excess > 0.0, multiplier, low)
             high = np.where(excess > 0.0, high, multiplier)
             newton = multiplier + excess / slope
-            inside = (newton > low) & (newton < high)
+            # Not strict: at a converged point the bracket has shrunk onto the iterate.
+            inside = (newton >= low) & (newton <= high)
             multiplier = np.where(inside, newton, 0.5 * (low + high))
             if np.max(np.abs(excess) / norm) < 1e-12:
                 break
+        else:
+            raise ReturnMappingFailed(
+                f"return mapping: {np.max(np.abs(excess) / norm):.2g} of the stress is left"
+            )
         value[plastic] = multiplier
         by_norm[plastic] = 1.0 / slope
         by_mu_bar[plastic] = -2.0 * multiplier / slope

@@ -14,6 +14,7 @@ from meshing.triangulation import BoundaryCrossing
 from pfemcut.fem.distribution import DistributedMesh
 from pfemcut.fem.heat_system import HeatKernels
 from pfemcut.fem.momentum_system import MomentumKernels
+from pfemcut.materials.return_mapping import ReturnMappingFailed
 from pfemcut.method import CutEnded, RunStopped
 from pfemcut.pfem import energies
 from pfemcut.pfem.kinematics import element_mean
@@ -112,14 +113,14 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
                     last_step=state.clock.last_dt,
                     watch=watch,
                 )
+            # Box 4, step 4: implicit update of the internal variables, at the temperature of the start of the step.
+            with watch.phase("plasticity"):
+                plastic = update_plasticity(problem, mesh, fields, motion, step)
             break
-        except StepFailed as failure:
+        except (StepFailed, ReturnMappingFailed) as failure:
             step, cuts = 0.5 * step, cuts + 1
             if step < problem.time.smallest_step_fraction * problem.time.step:
                 raise RunStopped(_why(problem, state, mesh, fields, step, failure)) from failure
-    # Box 4, step 4: implicit update of the internal variables, at the temperature of the start of the step.
-    with watch.phase("plasticity"):
-        plastic = update_plasticity(problem, mesh, fields, motion, step)
     # Box 4, step 3: heat on the updated configuration.
     with watch.phase("heat"):
         moved = replace(mesh, points=mesh.points + motion.displacement)
@@ -184,7 +185,7 @@ def _particle_step(
     return mesh, fields, (remesh_map,)
 
 
-def _why(problem: Problem, state: State, mesh: Mesh, fields: Fields, step: float, failure: StepFailed) -> str:
+def _why(problem: Problem, state: State, mesh: Mesh, fields: Fields, step: float, failure: Exception) -> str:
     speed = np.hypot(*(fields.last_displacement / state.clock.last_dt).T)
     x, y = mesh.points[int(np.argmax(speed))]
     return (
