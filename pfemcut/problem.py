@@ -39,6 +39,19 @@ class HeatSource(Enum):
     EXTRAPOLATED = "extrapolated"
 
 
+class VolumetricHistory(Enum):
+    """Where the volume ratio J of an element comes from at the start of a step.
+
+    PRESSURE: recomputed from the particles' pressure, which forgets what the stabilisation left between them.
+    ELEMENT: the element's own, transferred from element to element. MIXED: the element's own as long as it joins the
+    same particles, else from pressure.
+    """
+
+    PRESSURE = "pressure"
+    ELEMENT = "element"
+    MIXED = "mixed"
+
+
 @dataclass(frozen=True)
 class Schedule:
     """A value as a piecewise linear function of time, constant beyond its ends.
@@ -255,6 +268,8 @@ class ParticleControls:
         A new particle keeps this times h from the others.
     interior_removal
         A particle closer than this times h to another is removed.
+    volumetric_history
+        See the enumeration.
     power_tolerance
         Plastic power of one element, as a fraction of the body's, above which it is refined (eq. 1).
     power_smallest
@@ -272,6 +287,7 @@ class ParticleControls:
     interior_area: float
     interior_spacing: float
     interior_removal: float
+    volumetric_history: VolumetricHistory
     power_tolerance: float
     power_smallest: float
 

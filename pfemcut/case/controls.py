@@ -11,6 +11,7 @@ from pfemcut.problem import (
     NewtonControls,
     ParticleControls,
     TimeControls,
+    VolumetricHistory,
 )
 
 
@@ -40,9 +41,16 @@ def particle_controls(
         interior_area=spacing.interior_area,
         interior_spacing=spacing.interior_spacing,
         interior_removal=spacing.interior_removal,
+        volumetric_history=_volumetric_history(spacing),
         power_tolerance=spacing.power_tolerance,
         power_smallest=spacing.power_smallest,
     )
+
+
+def _volumetric_history(spacing: Spacing) -> VolumetricHistory:
+    if spacing.volumetric_history == "auto":
+        return VolumetricHistory.PRESSURE if spacing.remesh else VolumetricHistory.ELEMENT
+    return VolumetricHistory(spacing.volumetric_history)
 
 
 def time_controls(time: Time, end: float) -> TimeControls:

@@ -71,6 +71,11 @@ class Spacing(Section):
     interior_removal: float = Field(
         default=0.45, ge=0, lt=1, description="A particle closer than this times h to another is removed"
     )
+    volumetric_history: Literal["auto", "pressure", "element", "mixed"] = Field(
+        default="auto",
+        description="Source of an element's volume ratio: the particles' pressure, the element before it, or the "
+        "latter as long as the element does not change; auto takes the pressure if remesh, else the element",
+    )
     power_tolerance: float = Field(
         default=0.004,
         gt=0,

@@ -9,7 +9,6 @@ from meshing.mesh import Mesh, signed_areas
 from pfemcut.contact.penalty import contact_forces
 from pfemcut.materials.return_mapping import deviatoric_energy
 from pfemcut.pfem.kinematics import element_mean, lumped, tributary_lengths
-from pfemcut.pfem.mechanics import volume_ratios
 from pfemcut.pfem.state import Fields
 from pfemcut.problem import Problem
 
@@ -22,22 +21,20 @@ def elastic_energy(problem: Problem, mesh: Mesh, fields: Fields) -> float:
     pressure = element_mean(fields.pressure, mesh.cells)
     density = deviatoric_energy(fields.b_elastic, material.shear_modulus)
     density += pressure**2 / (2.0 * material.bulk_modulus)
-    return float(
-        np.sum(density / volume_ratios(material, mesh, fields) * signed_areas(mesh.points, mesh.cells))
-    )
+    return float(np.sum(density / fields.volume_ratio * signed_areas(mesh.points, mesh.cells)))
 
 
 def mass(problem: Problem, mesh: Mesh, fields: Fields) -> float:
     """Mass of the body per mm of width, int rho_0 / J dV (tonne/mm)."""
     material = problem.body.material
-    volume = signed_areas(mesh.points, mesh.cells) / volume_ratios(material, mesh, fields)
+    volume = signed_areas(mesh.points, mesh.cells) / fields.volume_ratio
     return material.density * float(volume.sum())
 
 
 def heat_content(problem: Problem, mesh: Mesh, fields: Fields) -> float:
     """Heat above the initial temperature, int rho_0 / J (int c dtheta) dV with lumped capacity (mJ/mm)."""
     material = problem.body.material
-    volume = signed_areas(mesh.points, mesh.cells) / volume_ratios(material, mesh, fields)
+    volume = signed_areas(mesh.points, mesh.cells) / fields.volume_ratio
     nodal_mass = lumped(material.density * volume, mesh.cells, len(mesh.points))
     return float(np.sum(nodal_mass * _enthalpy(problem, fields.temperature)))
 
@@ -62,7 +59,7 @@ def _enthalpy(problem: Problem, temperature: Array) -> Array:
 def kinetic_energy(problem: Problem, mesh: Mesh, fields: Fields, step: float) -> float:
     """Kinetic energy with lumped mass (mJ/mm); ``step`` is the length of the last step (s)."""
     material = problem.body.material
-    volume = signed_areas(mesh.points, mesh.cells) / volume_ratios(material, mesh, fields)
+    volume = signed_areas(mesh.points, mesh.cells) / fields.volume_ratio
     nodal_mass = lumped(material.density * volume, mesh.cells, len(mesh.points))
     return 0.5 * float(np.sum(nodal_mass[:, None] * (fields.last_displacement / step) ** 2))
 

@@ -45,6 +45,14 @@ def load_forces(problem: Problem, mesh: Mesh, displacement: Array, time: float) 
     return NodalForces.sum(parts)
 
 
+def nodal_loads(problem: Problem, mesh: Mesh, displacement: Array, time: float) -> Array:
+    """Sum of :func:`load_forces` on each particle (N/mm); shape (n, 2)."""
+    loads = load_forces(problem, mesh, displacement, time)
+    total = np.zeros((len(mesh.points), 2))
+    np.add.at(total, loads.particles, loads.forces)
+    return total
+
+
 def _dead(weights: Array, components: tuple[Schedule, Schedule], time: float) -> NodalForces:
     particles = np.flatnonzero(weights)
     forces = np.outer(weights[particles], [component(time) for component in components])

@@ -64,8 +64,6 @@ class Motion:
         Cauchy pressure (MPa); (n,).
     reactions
         Forces of prescribed motions on the body (N/mm); (n, 2).
-    loads
-        Forces of loads on the body (N/mm); (n, 2).
     contact
         One entry for each tool.
     volume_ratio
@@ -81,7 +79,6 @@ class Motion:
     displacement: Array
     pressure: Array
     reactions: Array
-    loads: Array
     contact: tuple[ContactResult, ...]
     volume_ratio: Array
     trial: Trial
@@ -115,8 +112,8 @@ def thermal_strain(material: Material, temperature: Array) -> Array:
     return 3.0 * material.expansion(temperature) * (temperature - material.reference_temperature)
 
 
-def volume_ratios(material: Material, mesh: Mesh, fields: Fields) -> Array:
-    """J at the Gauss points, recomputed from the particles' pressure and the temperature it belongs to; (m,)."""
+def pressure_volume_ratios(material: Material, mesh: Mesh, fields: Fields) -> Array:
+    """J of the elements, recomputed from the particles' pressure and the temperature it belongs to; (m,)."""
     pressure = element_mean(fields.pressure, mesh.cells)
     strain = element_mean(thermal_strain(material, fields.momentum_temperature), mesh.cells)
     return volume_ratio_from_pressure(pressure / material.bulk_modulus, strain)
@@ -160,7 +157,7 @@ def solve_motion(
     cells, count = mesh.cells, len(mesh.points)
     gradients = shape_gradients(mesh.points, cells)
     areas = signed_areas(mesh.points, cells)
-    ratio = volume_ratios(material, mesh, fields)
+    ratio = fields.volume_ratio
     temperature = element_mean(fields.temperature, cells)
     candidates = np.unique(mesh.boundary.particles)
     lengths = tributary_lengths(mesh.points, mesh.boundary.edges, count)[candidates]
@@ -237,7 +234,9 @@ def solve_motion(
             linearise,
             start,
             fixed,
-            material.bulk_modulus / size,
+            # Not the bulk modulus: in a nearly incompressible body the volume change of second order would rule the
+            # line search.
+            2.0 * material.shear_modulus / size,
             _NEGLIGIBLE_STRESS
             * min(yield_stress, _ELASTIC_STRAIN * material.shear_modulus)
             * float(size.min()),
@@ -248,7 +247,6 @@ def solve_motion(
         displacement=solution.unknown[:, :2].copy(),
         pressure=solution.unknown[:, 2].copy(),
         reactions=np.where(fixed[:, :2], solution.reactions, 0.0),
-        loads=_on_particles(load_forces(problem, mesh, solution.unknown[:, :2], start_time + step), count),
         contact=contacts(solution.unknown),
         volume_ratio=trial.jacobian * ratio,
         trial=trial,
@@ -268,12 +266,6 @@ def _contact_forces(contact: tuple[ContactResult, ...]) -> list[NodalForces]:
             )
         )
     return parts
-
-
-def _on_particles(nodal: NodalForces, count: int) -> Array:
-    forces = np.zeros((count, 2))
-    np.add.at(forces, nodal.particles, nodal.forces)
-    return forces
 
 
 def _inertia_forces(unknown: Array, mass: Array, velocity: Array, step: float) -> NodalForces:

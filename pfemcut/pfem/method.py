@@ -15,9 +15,9 @@ from pfemcut.materials.return_mapping import tensor_norm
 from pfemcut.method import ContactView, Frame, Measures
 from pfemcut.pfem import energies
 from pfemcut.pfem.kinematics import element_mean, tributary_lengths
-from pfemcut.pfem.mechanics import volume_ratios
+from pfemcut.pfem.mechanics import thermal_strain
 from pfemcut.pfem.state import Clock, Ledger, State, from_arrays, initial_fields, to_arrays
-from pfemcut.pfem.step import PHASES, Kernels, StepRecord, advance, held_parts
+from pfemcut.pfem.step import PHASES, Kernels, StepRecord, advance
 from pfemcut.problem import Problem
 from pfemcut.timing import Stopwatch
 
@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 _ROOT_2_3 = np.sqrt(2.0 / 3.0)
 _ROOT_3_2 = np.sqrt(1.5)
-_NO_STEP = StepRecord(np.zeros(2), 0, 0, 0, 0, 0, 0.0, ())
+_NO_STEP = StepRecord(np.zeros(2), 0, 0, 0, 0, 0, 0.0, np.zeros(0))
 
 
 class PfemMethod:
@@ -47,7 +47,8 @@ class PfemMethod:
         first = problem.time.first_step_fraction * problem.time.step
         clock = Clock(step=0, time=0.0, last_dt=first, next_dt=first)
         vx, vy = body.velocity
-        fields = initial_fields(mesh, body.temperature, (vx * first, vy * first))
+        expansion = float(thermal_strain(body.material, np.asarray(body.temperature)))
+        fields = initial_fields(mesh, body.temperature, expansion, (vx * first, vy * first))
         return cls(
             problem,
             State(
@@ -57,6 +58,8 @@ class PfemMethod:
                 ledger=Ledger(),
                 initial_mass=energies.mass(problem, mesh, fields),
                 initial_kinetic_energy=energies.kinetic_energy(problem, mesh, fields, first),
+                last_tool_force=np.zeros(2),
+                last_reactions=np.zeros(len(problem.motions)),
                 probes=_nearest_particles(mesh, [probe.point for probe in problem.probes]),
             ),
         )
@@ -154,7 +157,7 @@ class PfemMethod:
         problem, state = self._problem, self._state
         mesh, fields = state.mesh, state.fields
         material = problem.body.material
-        ratio = volume_ratios(material, mesh, fields)
+        ratio = fields.volume_ratio
         deviator = fields.b_elastic.copy()
         deviator[:, :3] -= deviator[:, :3].mean(axis=1, keepdims=True)
         deviator *= (material.shear_modulus / ratio)[:, None]
@@ -206,12 +209,10 @@ class PfemMethod:
 
     def _reactions(self) -> dict[str, float]:
         """Forces of the supports on the body (N/mm)."""
-        found = dict(self._record.reactions)
-        columns = {}
-        for part in held_parts(self._problem):
-            force = found.get(part, np.zeros(2))
-            columns[f"reaction_{part}_x"], columns[f"reaction_{part}_y"] = map(float, force)
-        return columns
+        return {
+            f"reaction_{motion.part}_{motion.axis.name.lower()}": float(force)
+            for motion, force in zip(self._problem.motions, self._state.last_reactions, strict=True)
+        }
 
     def _probed(self) -> dict[str, float]:
         """Displacement (mm) and temperature (K) of the probes' particles."""

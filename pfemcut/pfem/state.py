@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshing.mesh import Boundary, Mesh
+from pfemcut.materials.volumetric import volume_ratio_from_pressure
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -71,6 +72,8 @@ class Fields:
         Displacement over the last step (mm), the predictor of the next; (n, 2).
     b_elastic
         Isochoric elastic left Cauchy-Green tensor, xx, yy, zz, xy; (m, 4).
+    volume_ratio
+        J; (m,).
     eqps
         Equivalent plastic strain; (m,).
     multiplier_rate
@@ -85,6 +88,7 @@ class Fields:
     displacement: Array = _stored(Where.PARTICLE, "mm")
     last_displacement: Array = _stored(Where.PARTICLE, "mm")
     b_elastic: Array = _stored(Where.ELEMENT, "1")
+    volume_ratio: Array = _stored(Where.ELEMENT, "1")
     eqps: Array = _stored(Where.ELEMENT, "1")
     multiplier_rate: Array = _stored(Where.ELEMENT, "1/s")
     plastic_power: Array = _stored(Where.ELEMENT, "mW/mm3")
@@ -97,9 +101,24 @@ def declarations() -> Iterator[Declaration]:
 
 
 def initial_fields(
-    mesh: Mesh, temperature: float, last_displacement: tuple[float, float] = (0.0, 0.0)
+    mesh: Mesh,
+    temperature: float,
+    thermal_strain: float = 0.0,
+    last_displacement: tuple[float, float] = (0.0, 0.0),
 ) -> Fields:
-    """Stress-free fields at a uniform temperature (K) and, for inertia, displacement over the step before (mm)."""
+    """Stress-free fields.
+
+    Parameters
+    ----------
+    mesh
+        The initial mesh.
+    temperature
+        Uniform temperature (K).
+    thermal_strain
+        3 alpha (theta - theta_0) at it.
+    last_displacement
+        Displacement over the step before, which inertia continues (mm).
+    """
     n, m = len(mesh.points), len(mesh.cells)
     return Fields(
         temperature=np.full(n, temperature),
@@ -108,6 +127,7 @@ def initial_fields(
         displacement=np.zeros((n, 2)),
         last_displacement=np.tile(np.asarray(last_displacement, dtype=np.float64), (n, 1)),
         b_elastic=np.tile([1.0, 1.0, 1.0, 0.0], (m, 1)),
+        volume_ratio=volume_ratio_from_pressure(np.zeros(m), np.full(m, thermal_strain)),
         eqps=np.zeros(m),
         multiplier_rate=np.zeros(m),
         plastic_power=np.zeros(m),
@@ -170,7 +190,8 @@ class State:
     """Mesh, fields, clock and ledger: what a checkpoint holds.
 
     ``initial_mass`` and ``initial_kinetic_energy`` are those of the start (tonne/mm, mJ/mm); ``probes`` are the
-    identities of the particles that the problem's probes follow.
+    identities of the particles that the problem's probes follow; ``last_tool_force`` (2,) and ``last_reactions``
+    (motions,) are the forces on the tool and of the prescribed motions at the end of the last step (N/mm).
     """
 
     mesh: Mesh
@@ -180,6 +201,8 @@ class State:
     initial_mass: float
     initial_kinetic_energy: float
     probes: IntArray
+    last_tool_force: Array
+    last_reactions: Array
 
 
 def to_arrays(state: State) -> dict[str, NDArray[np.generic]]:
@@ -196,6 +219,8 @@ def to_arrays(state: State) -> dict[str, NDArray[np.generic]]:
         "initial_mass": np.asarray(state.initial_mass),
         "initial_kinetic_energy": np.asarray(state.initial_kinetic_energy),
         "probes": state.probes,
+        "last_tool_force": state.last_tool_force,
+        "last_reactions": state.last_reactions,
     }
     for group, data in (("fields", state.fields), ("clock", state.clock), ("ledger", state.ledger)):
         for each in dataclasses.fields(data):
@@ -228,4 +253,6 @@ def from_arrays(arrays: Mapping[str, NDArray[np.generic]]) -> State:
         float(arrays["initial_mass"]),
         float(arrays["initial_kinetic_energy"]),
         np.asarray(arrays["probes"], dtype=np.int64),
+        np.asarray(arrays["last_tool_force"], dtype=np.float64),
+        np.asarray(arrays["last_reactions"], dtype=np.float64),
     )

@@ -18,13 +18,13 @@ from pfemcut.materials.return_mapping import ReturnMappingFailed
 from pfemcut.method import CutEnded, RunStopped
 from pfemcut.pfem import energies
 from pfemcut.pfem.kinematics import element_mean
-from pfemcut.pfem.loads import part_particles
+from pfemcut.pfem.loads import nodal_loads, part_particles
 from pfemcut.pfem.mechanics import Motion, PlasticUpdate, solve_motion, thermal_strain, update_plasticity
 from pfemcut.pfem.newton import StepFailed
 from pfemcut.pfem.particles import remesh_particles
 from pfemcut.pfem.state import Clock, Fields, Ledger, State
 from pfemcut.pfem.thermal import Heating, solve_heat
-from pfemcut.pfem.transfer import transfer_fields
+from pfemcut.pfem.transfer import carry_volume, transfer_fields
 from pfemcut.problem import HeatSource, Problem
 from pfemcut.timing import Stopwatch
 
@@ -69,7 +69,7 @@ class StepRecord:
     plastic_power
         Total (mW/mm).
     reactions
-        Force of the support on the body by name of each part with a prescribed motion (N/mm).
+        Force of the support on the body for each prescribed motion, along its axis (N/mm); (motions,).
     """
 
     tool_force: Array
@@ -79,7 +79,7 @@ class StepRecord:
     outside: int
     newton_iterations: int
     plastic_power: float
-    reactions: tuple[tuple[str, Array], ...]
+    reactions: Array
 
 
 def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) -> tuple[State, StepRecord]:
@@ -146,6 +146,7 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
             displacement=fields.displacement + motion.displacement,
             last_displacement=motion.displacement,
             b_elastic=plastic.b_elastic,
+            volume_ratio=motion.volume_ratio,
             eqps=plastic.eqps,
             multiplier_rate=plastic.multiplier_rate,
             plastic_power=power,
@@ -160,19 +161,24 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
         last_dt=step,
         next_dt=min(problem.time.growth * step, problem.time.step),
     )
-    return replace(state, mesh=moved, fields=new_fields, clock=clock, ledger=ledger), record
-
-
-def held_parts(problem: Problem) -> tuple[str, ...]:
-    """Names of the parts with a prescribed motion, each once."""
-    return tuple(dict.fromkeys(motion.part for motion in problem.motions))
+    new_state = replace(
+        state,
+        mesh=moved,
+        fields=new_fields,
+        clock=clock,
+        ledger=ledger,
+        last_tool_force=record.tool_force,
+        last_reactions=record.reactions,
+    )
+    return new_state, record
 
 
 def _particle_step(
     problem: Problem, state: State, watch: Stopwatch
 ) -> tuple[Mesh, Fields, tuple[RemeshMap, ...]]:
     if not problem.particles.remesh:
-        return state.mesh, state.fields, ()
+        unchanged = np.ones(len(state.mesh.cells), dtype=bool)
+        return state.mesh, carry_volume(problem, state.mesh, state.fields, unchanged), ()
     with watch.phase("particles"):
         try:
             mesh, remesh_map = remesh_particles(
@@ -182,6 +188,7 @@ def _particle_step(
             raise CutEnded(f"{problem.body.name} touches itself: {crossing}") from crossing
     with watch.phase("transfer"):
         fields = transfer_fields(state.fields, state.mesh, remesh_map)
+        fields = carry_volume(problem, mesh, fields, remesh_map.unchanged)
     return mesh, fields, (remesh_map,)
 
 
@@ -226,14 +233,13 @@ def _record(
     material = problem.body.material
     areas = signed_areas(moved.points, moved.cells)
     total_power = float(np.sum(power * areas))
-    # The work is done on the way from one force to the next: with the force at the end (backward Euler, as the
-    # weak form has it) the rectangle is consistent with the dissipation of the same step.
     force = np.zeros(2)
     work = friction = spring = 0.0
     for tool, result in zip(problem.tool, motion.contact, strict=True):
         on_body = result.forces.forces.sum(axis=0)
         force -= on_body
-        work += float(on_body @ np.asarray(tool.velocity)) * step
+        # Trapezoidal rule: from the force at the start of the step to the one at its end.
+        work += 0.5 * float((on_body - state.last_tool_force) @ np.asarray(tool.velocity)) * step
         friction += float(result.forces.friction_power.sum()) * step
         spring += float(result.forces.energy.sum())
     warming = element_mean(
@@ -241,13 +247,19 @@ def _record(
         mesh.cells,
     )
     pressure = element_mean(motion.pressure, mesh.cells)
+    reactions = np.array(
+        [
+            motion.reactions[part_particles(problem, mesh, each.part), each.axis.value].sum()
+            for each in problem.motions
+        ]
+    )
     ledger = state.ledger.plus(
         tool_work=work,
         plastic=total_power * step,
         friction=friction,
         thermoelastic=float(np.sum(pressure * warming * areas)),
         contact=spring - energies.contact_energy(problem, mesh, state.clock.time),
-        boundary_work=float(np.sum((motion.reactions + motion.loads) * motion.displacement)),
+        boundary_work=_boundary_work(problem, state, mesh, motion, reactions, step),
         heat_generated=heating.generated,
         heat_supplied=heating.supplied,
     )
@@ -259,12 +271,23 @@ def _record(
         outside=sum(each.outside for each in remesh_map),
         newton_iterations=motion.iterations,
         plastic_power=total_power,
-        reactions=tuple(
-            (part, motion.reactions[part_particles(problem, mesh, part)].sum(axis=0))
-            for part in held_parts(problem)
-        ),
+        reactions=reactions,
     )
     return record, ledger
+
+
+def _boundary_work(
+    problem: Problem, state: State, mesh: Mesh, motion: Motion, reactions: Array, step: float
+) -> float:
+    """Work of prescribed motions and of loads over the step (mJ/mm), by the trapezoidal rule."""
+    start = state.clock.time
+    work = 0.0
+    for each, before, after in zip(problem.motions, state.last_reactions, reactions, strict=True):
+        moved = each.displacement(start + step) - each.displacement(start)
+        work += 0.5 * float(before + after) * moved
+    at_start = nodal_loads(problem, mesh, np.zeros_like(motion.displacement), start)
+    at_end = nodal_loads(problem, mesh, motion.displacement, start + step)
+    return work + 0.5 * float(np.sum((at_start + at_end) * motion.displacement))
 
 
 def _remeshing_amounts(
