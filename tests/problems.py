@@ -13,7 +13,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from meshing.boundary import Outline
-from meshing.initial import polygon_mesh
+from meshing.initial import outline_mesh
 from meshing.mesh import Boundary, Mesh
 from meshing.remesh import SpacingRules
 from meshing.sizes import SizeField
@@ -35,6 +35,7 @@ from pfemcut.problem import (
     PrescribedTemperature,
     Problem,
     TimeControls,
+    VolumetricHistory,
 )
 
 Array = NDArray[np.float64]
@@ -121,7 +122,8 @@ def block_problem(
         contact=ContactLaw(penalty=4e7, friction=0.0, reference_speed=1.0, heat_partition=0.5),
         particles=ParticleControls(
             sizes=size if isinstance(size, SizeField) else SizeField((), size),
-            sizes_follow_tool=False,
+            sizes_velocity=(0.0, 0.0),
+            volumetric_history=VolumetricHistory.PRESSURE if remesh else VolumetricHistory.ELEMENT,
             remesh=remesh,
             insert=True,
             remove=True,
@@ -185,7 +187,7 @@ def kernels() -> Kernels:
 @cache
 def _rectangle(width: float, height: float, size: float) -> Mesh:
     corners = np.array([(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)])
-    return polygon_mesh(corners, SizeField((), size), np.arange(4))
+    return outline_mesh(corners, SizeField((), size), np.arange(4))
 
 
 def rectangle_mesh(width: float = 1.0, height: float = 1.0, size: float = 0.15, jitter: float = 0.0) -> Mesh:

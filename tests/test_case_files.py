@@ -136,7 +136,7 @@ def test_a_material_file_is_sought_beside_the_case(tmp_path: Path, case_file: Pa
         ("mesh.boundary_removal=0.8", "[mesh] boundary_removal: given 0.8, must be less than half of"),
         (
             "mesh.interior_removal=0.6",
-            "[mesh] interior_removal: given 0.6, must be less than [mesh] interior_spac",
+            "[mesh] interior_removal: given 0.6, must be less than interior_spacing",
         ),
         ("tool=3", "tool: given 3, must be a table"),
         (
@@ -207,7 +207,7 @@ def test_the_problem_has_the_case_s_geometry_and_controls(case_file: Path) -> No
     assert problem.body.outline == ((0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (0.0, 1.0))
     assert problem.body.parts == ("bottom", "side", "top", "fixed")
     assert problem.body.temperature == 293.15
-    assert {(m.part, m.axis.name, m.velocity) for m in problem.motions} == {
+    assert {(m.part, m.axis.name, m.displacement(1.0)) for m in problem.motions} == {
         ("bottom", "X", 0.0),
         ("bottom", "Y", 0.0),
         ("fixed", "X", 0.0),

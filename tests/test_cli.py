@@ -55,7 +55,14 @@ class Driver(ModuleType):
         self.calls: list[tuple[Any, ...]] = []
 
     def run_case(
-        self, case: Any, material: Any, directory: Path, *, resume: bool, overwrite: bool
+        self,
+        case: Any,
+        material: Any,
+        directory: Path,
+        *,
+        base_directory: Path,
+        resume: bool,
+        overwrite: bool,
     ) -> Summary:
         self.calls.append((case, material, directory, resume, overwrite))
         if self.raises is not None:
