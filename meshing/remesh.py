@@ -79,6 +79,7 @@ def remesh(
     *,
     refine_score: Array,
     removal_scale: Array,
+    coarsening: Array,
     locked: BoolArray,
     free: BoolArray,
     place_boundary: PlaceBoundary,
@@ -98,8 +99,9 @@ def remesh(
     refine_score
         Plastic power of each element over its tolerance; shape (m,).
     removal_scale
-        Factor on the removal distance of each particle: small where refinement must last, large where the
-        solution needs few particles; shape (n,).
+        Factor on the removal distance of each particle, small where refinement must last; shape (n,).
+    coarsening
+        Factor on the wished spacing inside the body, large where the solution needs few particles; shape (n,).
     locked
         Boundary particles that must stay; shape (n,).
     free
@@ -117,17 +119,22 @@ def remesh(
     if rules.remove:
         spacing = sizes(mesh.points)
         stays &= ~crowded_particles(
-            mesh.points, mesh.cells, _on_boundary(mesh), rules.interior_removal * removal_scale * spacing
+            mesh.points,
+            mesh.cells,
+            _on_boundary(mesh),
+            rules.interior_removal * removal_scale * coarsening * spacing,
         )
 
     points, kept, boundary = _assemble(mesh, outline, stays)
     cells = constrained_delaunay(points, boundary.edges)
     if rules.insert:
         unchanged, old_cells = _match_cells(mesh, cells, kept)
+        factor = np.ones(len(points))
+        factor[: len(kept)] = coarsening[kept]
         new = refinement_points(
             points,
             cells,
-            sizes(points[cells].mean(axis=1)),
+            sizes(points[cells].mean(axis=1)) * factor[cells].mean(axis=1),
             radius_ratio=rules.interior_radius,
             area_ratio=rules.interior_area,
             clearance_ratio=rules.interior_spacing,

@@ -52,6 +52,33 @@ class VolumetricHistory(Enum):
     MIXED = "mixed"
 
 
+class ErrorEstimator(Enum):
+    """Element field whose Zienkiewicz-Zhu error decides where particles may go."""
+
+    NONE = "none"
+    PLASTIC_STRAIN = "plastic-strain"
+    STRESS = "stress"
+
+
+@dataclass(frozen=True)
+class Coarsening:
+    """Removal of particles where an error estimator finds nothing to resolve (paper, section 2.1 and Fig. 2).
+
+    Attributes
+    ----------
+    estimator
+        What is estimated.
+    tolerance
+        Error, relative to the field's largest value, at which the wished spacing holds; below, spacing grows.
+    largest
+        Largest spacing, relative to the wished one.
+    """
+
+    estimator: ErrorEstimator
+    tolerance: float
+    largest: float
+
+
 @dataclass(frozen=True)
 class Schedule:
     """A value as a piecewise linear function of time, constant beyond its ends.
@@ -268,6 +295,8 @@ class ParticleControls:
         A new particle keeps this times h from the others.
     interior_removal
         A particle closer than this times h to another is removed.
+    coarsening
+        Removal by error estimators.
     volumetric_history
         See the enumeration.
     power_tolerance
@@ -287,6 +316,7 @@ class ParticleControls:
     interior_area: float
     interior_spacing: float
     interior_removal: float
+    coarsening: Coarsening
     volumetric_history: VolumetricHistory
     power_tolerance: float
     power_smallest: float

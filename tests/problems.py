@@ -25,7 +25,9 @@ from pfemcut.materials.material import HardeningLaw, Material, Property
 from pfemcut.pfem.step import Kernels
 from pfemcut.problem import (
     Body,
+    Coarsening,
     ContactLaw,
+    ErrorEstimator,
     HeatFlux,
     HeatSource,
     Integrator,
@@ -123,6 +125,7 @@ def block_problem(
         particles=ParticleControls(
             sizes=size if isinstance(size, SizeField) else SizeField((), size),
             sizes_velocity=(0.0, 0.0),
+            coarsening=Coarsening(ErrorEstimator.NONE, 0.01, 3.0),
             volumetric_history=VolumetricHistory.PRESSURE if remesh else VolumetricHistory.ELEMENT,
             remesh=remesh,
             insert=True,

@@ -38,6 +38,7 @@ def run(
     arguments = {
         "refine_score": np.zeros(len(mesh.cells)),
         "removal_scale": np.ones(len(mesh.points)),
+        "coarsening": np.ones(len(mesh.points)),
         "locked": np.zeros(len(mesh.points), dtype=bool),
         "free": free,
     }

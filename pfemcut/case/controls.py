@@ -5,7 +5,9 @@ from __future__ import annotations
 from meshing.sizes import SizeField
 from pfemcut.case.sections import Contact, Solver, Spacing, Time
 from pfemcut.problem import (
+    Coarsening,
     ContactLaw,
+    ErrorEstimator,
     HeatSource,
     Integrator,
     NewtonControls,
@@ -41,6 +43,9 @@ def particle_controls(
         interior_area=spacing.interior_area,
         interior_spacing=spacing.interior_spacing,
         interior_removal=spacing.interior_removal,
+        coarsening=Coarsening(
+            ErrorEstimator(spacing.coarsening), spacing.coarsening_tolerance, spacing.coarsening_largest
+        ),
         volumetric_history=_volumetric_history(spacing),
         power_tolerance=spacing.power_tolerance,
         power_smallest=spacing.power_smallest,

@@ -71,6 +71,19 @@ class Spacing(Section):
     interior_removal: float = Field(
         default=0.45, ge=0, lt=1, description="A particle closer than this times h to another is removed"
     )
+    coarsening: Literal["none", "plastic-strain", "stress"] = Field(
+        default="none",
+        description="Error estimator (Zienkiewicz-Zhu) that removes particles where it finds no error",
+    )
+    coarsening_tolerance: float = Field(
+        default=0.01,
+        gt=0,
+        le=1,
+        description="Error, relative to the largest value of the field, below which the spacing may grow",
+    )
+    coarsening_largest: float = Field(
+        default=3.0, ge=1, le=20, description="Largest spacing by the estimator, relative to h"
+    )
     volumetric_history: Literal["auto", "pressure", "element", "mixed"] = Field(
         default="auto",
         description="Source of an element's volume ratio: the particles' pressure, the element before it, or the "

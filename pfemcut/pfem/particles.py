@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from meshing.mesh import Mesh, signed_areas
 from meshing.remesh import RemeshMap, SpacingRules, remesh
 from meshing.sizes import SizeField
+from pfemcut.pfem.estimators import coarsening_factors
 from pfemcut.pfem.state import Fields
 from pfemcut.problem import ParticleControls, Problem
 from pfemcut.tools.rigid_wedge import RigidWedge
@@ -46,6 +47,7 @@ def remesh_particles(
         spacing_rules(controls),
         refine_score=score,
         removal_scale=scale,
+        coarsening=coarsening_factors(problem, mesh, fields),
         locked=locked,
         free=_free_particles(mesh, tools, sizes, locked),
         place_boundary=lambda a, b: _place_on_surface(a, b, tools),
