@@ -13,6 +13,7 @@ from synthetic_cut import CUT, DEPTH, TIP, filled_frame, outline_frame, tool_of
 from pfemcut.method import ContactView
 from pfemcut.results.derived.chip_curl import REACH, curl_radius
 from pfemcut.results.derived.chip_section import chip_section, to_rake_frame
+from pfemcut.results.derived.chip_speed import chip_speed
 from pfemcut.results.derived.chip_thickness import chip_thickness
 from pfemcut.results.derived.columns import derived_columns
 from pfemcut.results.derived.contact_length import contact_end_temperature, contact_length, tip_arc_contact
@@ -52,6 +53,20 @@ def test_curl_of_a_straight_chip_is_infinite_and_its_sign_says_which_way() -> No
     section = chip_section(outline_frame(6.0, 0.15, curl=1.0), tool_of(6.0), DEPTH, REACH)
     towards = replace(section, rake_side=section.rake_side * [1.0, -1.0])
     assert curl_radius(towards) == pytest.approx(-1.0, rel=1e-3)
+
+
+@pytest.mark.parametrize("rake", RAKES)
+def test_chip_speed_is_that_along_the_chip_relative_to_the_tool(rake: float) -> None:
+    frame, tool = outline_frame(rake, 0.15), tool_of(rake)
+    up_the_rake = 1500.0 * tool.rake_direction + [-3000.0, 0.0]
+    moving = replace(
+        frame, point_fields={**frame.point_fields, "velocity": np.tile(up_the_rake, (len(frame.points), 1))}
+    )
+    section = chip_section(moving, tool, DEPTH)
+    assert chip_speed(section, tool, (-3000.0, 0.0)) == pytest.approx(1500.0, rel=1e-9)
+    assert math.isnan(
+        chip_speed(chip_section(outline_frame(rake, 0.15, length=0.1), tool, DEPTH), tool, (0.0, 0.0))
+    )
 
 
 def test_a_rough_surface_changes_the_mean_thickness_little() -> None:

@@ -61,6 +61,12 @@ FIGURES = (
         "from 1 to 2 depths of cut beyond the end of contact.",
     ),
     Definition(
+        "chip_speed",
+        "Chip speed",
+        "mm/s",
+        "Of the material along the chip, relative to the tool, where the thickness is measured.",
+    ),
+    Definition(
         "contact_length",
         "Contact length",
         "mm",

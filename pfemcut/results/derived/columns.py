@@ -8,6 +8,7 @@ from pfemcut.method import Frame
 from pfemcut.problem import Cut
 from pfemcut.results.derived.chip_curl import REACH, curl_radius
 from pfemcut.results.derived.chip_section import chip_section
+from pfemcut.results.derived.chip_speed import chip_speed
 from pfemcut.results.derived.chip_thickness import chip_thickness
 from pfemcut.results.derived.contact_length import contact_end_temperature, tip_arc_contact
 from pfemcut.results.derived.extremes import hottest_point, peak_strain_rate
@@ -25,6 +26,7 @@ def derived_columns(frame: Frame, cut: Cut) -> dict[str, float]:
     return {
         "chip_thickness": thickness.mean,
         "chip_complete": float(thickness.complete),
+        "chip_speed": chip_speed(section, tool, (-cut.speed, 0.0)),
         "tip_arc_contact": tip_arc_contact(frame.contact, tool),
         "shear_angle": shear_angle_of_ratio(cut.depth, thickness.mean, tool.rake),
         "shear_angle_band": shear_angle_of_band(frame, tool, cut.depth),
