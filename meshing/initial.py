@@ -135,15 +135,22 @@ def read_mesh(path: Path) -> tuple[Mesh, tuple[str, ...]]:
 
 def _named_edges(found: Any) -> tuple[list[str], dict[tuple[int, int], int]]:
     """Names of the groups of lines, and the group of each line by its sorted ends."""
-    names: list[str] = []
+    members: dict[str, IntArray] = {
+        name: blocks["line"]
+        for name, blocks in found.cell_sets_dict.items()
+        if "line" in blocks and not name.startswith("gmsh:")
+    }
+    # Older gmsh formats number the groups and name the numbers (with the dimension) apart.
+    tags = found.cell_data_dict.get("gmsh:physical", {}).get("line")
+    if tags is not None:
+        for name, (tag, dimension) in found.field_data.items():
+            if dimension == 1:
+                members.setdefault(name, np.flatnonzero(tags == tag))
     group: dict[tuple[int, int], int] = {}
-    for name, blocks in found.cell_sets_dict.items():
-        if "line" not in blocks or name.startswith("gmsh:"):
-            continue
-        lines = found.cells_dict["line"][blocks["line"]]
-        group.update({(min(a, b), max(a, b)): len(names) for a, b in lines.tolist()})
-        names.append(name)
-    return names, group
+    for number, lines in enumerate(members.values()):
+        ends = found.cells_dict["line"][lines].tolist()
+        group.update({(min(a, b), max(a, b)): number for a, b in ends})
+    return list(members), group
 
 
 def _boundary_loops(cells: IntArray, named: dict[tuple[int, int], int], path: Path) -> Boundary:

@@ -124,13 +124,22 @@ def _value(text: str) -> Any:
 
 def resolved_toml(case: AnyCase, material: Material) -> str:
     """Case file with every default written out and the material inlined: it alone reproduces the run."""
-    table = case.model_dump(exclude_none=True)
+    table = case.model_dump()
     holder = table["body"][0] if isinstance(case, GeneralCase) else table["workpiece"]
     holder["temperature"] = initial_temperature(case, material)
     # Last, so that its sub-table does not swallow the keys behind it.
     del holder["material"]
     holder["material"] = material_table(material)
-    return tomli_w.dumps(table)
+    return tomli_w.dumps(_without_none(table))
+
+
+def _without_none(value: Any) -> Any:
+    """``value`` without table entries that are None, which TOML has no word for."""
+    if isinstance(value, dict):
+        return {key: _without_none(inner) for key, inner in value.items() if inner is not None}
+    if isinstance(value, list | tuple):
+        return [_without_none(inner) for inner in value]
+    return value
 
 
 def initial_temperature(case: AnyCase, material: Material) -> float:

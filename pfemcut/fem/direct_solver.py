@@ -12,20 +12,28 @@ class DirectSolver:
     saves, so the approximate minimum degree ordering is set.
     """
 
+    _PREFIX = "pfemcut_direct_"
     _AMD = 0
     _WORKSPACE_PERCENT = 60  # contact makes pivots move: spare room avoids a second factorisation
 
     def __init__(self, matrix: PETSc.Mat):
         self._solver = PETSc.KSP().create(matrix.getComm())
+        self._solver.setOptionsPrefix(self._PREFIX)
         self._solver.setType(PETSc.KSP.Type.PREONLY)
         self._solver.setOperators(matrix)
         preconditioner = self._solver.getPC()
         preconditioner.setType(PETSc.PC.Type.LU)
         preconditioner.setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
-        preconditioner.setFactorSetUpSolverType()
-        factor = preconditioner.getFactorMatrix()
-        factor.setMumpsIcntl(7, self._AMD)
-        factor.setMumpsIcntl(14, self._WORKSPACE_PERCENT)
+        # Through the options database: petsc4py's setMumpsIcntl is forgotten before the analysis (PETSc 3.18).
+        options = PETSc.Options(self._PREFIX)
+        options["mat_mumps_icntl_7"] = self._AMD
+        options["mat_mumps_icntl_14"] = self._WORKSPACE_PERCENT
+        self._solver.setFromOptions()
+
+    @property
+    def ordering(self) -> int:
+        """MUMPS's number of the ordering that the last factorisation used; 0 is approximate minimum degree."""
+        return int(self._solver.getPC().getFactorMatrix().getMumpsInfog(7))
 
     def solve(self, right_hand_side: PETSc.Vec, solution: PETSc.Vec) -> bool:
         """Factorise the matrix as it is now and solve; false if the factorisation failed."""
