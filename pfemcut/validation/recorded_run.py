@@ -42,32 +42,44 @@ class Start:
 def recorded_run(case_file: Path, directory: Path, overrides: Sequence[str], start: Start) -> Summary:
     """Run a case into ``directory``; called by all ranks under MPI.
 
-    A finished run that is resumed costs a second: it only summarises again.
+    A finished run that is resumed costs seconds: it only summarises again, and isn't noted as a session.
     """
     ranks = Ranks()
     case, material = load_case(case_file, overrides)
     resume = ranks.on_first(
         lambda: start.resume and any((directory / name).exists() for name in (NAME, PREVIOUS))
     )
-    note = {**provenance(), "resumed": resume}
-
-    def noted() -> None:
-        before = sessions(directory) if resume else []
-        write_json(directory / SESSIONS, [*before, note])
-
-    if resume:
-        ranks.on_first(noted)
     # A start that was killed before its first checkpoint leaves rows behind; asked to resume, it begins again.
     overwrite = start.overwrite or (start.resume and not resume)
-    if not resume:
-        ranks.on_first(lambda: _refuse_or_note(directory, overwrite, noted))
-    return run_case(case, material, directory, resume=resume, overwrite=overwrite and not resume)
+    before = ranks.on_first(lambda: sessions(directory) if resume else [])
+    steps = ranks.on_first(lambda: _finished_steps(directory) if resume else 0)
+    note = {**provenance(), "resumed": resume}
+
+    def begin() -> None:
+        # Not beside a run that the driver is going to refuse to touch.
+        if resume or overwrite or not (directory / HISTORY).exists():
+            write_json(directory / SESSIONS, [*before, note])
+
+    def end(summary: Summary) -> None:
+        if summary.steps != steps:
+            return
+        write_json(directory / SESSIONS, before)
+        made = before[-1]["commit"] if before else "unknown"
+        if made != note["commit"]:
+            print(f"{directory}: finished before, with commit {made} (--overwrite runs it again)", flush=True)
+
+    ranks.on_first(begin)
+    summary = run_case(case, material, directory, resume=resume, overwrite=overwrite and not resume)
+    ranks.on_first(lambda: end(summary))
+    return summary
 
 
-def _refuse_or_note(directory: Path, overwrite: bool, noted: Any) -> None:
-    """Note the session, unless the directory holds a run that the driver will refuse to touch."""
-    if overwrite or not (directory / HISTORY).exists():
-        noted()
+def _finished_steps(directory: Path) -> int:
+    """Steps of the finished run in ``directory``; 0 if there is none."""
+    if not (directory / SUMMARY).exists():
+        return 0
+    summary = read_summary(directory)
+    return int(summary["steps"]["value"]) if summary["finished"] else 0
 
 
 def sessions(directory: Path) -> list[dict[str, Any]]:
