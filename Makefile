@@ -12,12 +12,14 @@ PYTHON := .venv/bin/python
 READY := .venv/.ready
 DEMO := demos/aisi4340_demo/case.toml
 DEMO_OUT := out/demo
+# Published cases and studies that `make validate` runs at a time.
+JOBS := 2
 
 help:
 	@echo "make setup     install what is missing (Debian packages as root) and make .venv"
 	@echo "make demo      cut AISI 4340 with a rigid tool; results in $(DEMO_OUT)"
 	@echo "make test      fast tests"
-	@echo "make validate  slow tests and the published cases (hours)"
+	@echo "make validate  slow tests, published cases and studies (hours; goes on where interrupted)"
 	@echo "make bench     timings"
 	@echo "make lint      ruff and mypy"
 	@echo "make clean     remove results and caches"
@@ -36,14 +38,14 @@ demo: $(READY)
 	@echo "report   $(DEMO_OUT)/report.html"
 
 # One BLAS thread: tests compare bit for bit, and small matrices gain nothing from more.
-test validate: export OMP_NUM_THREADS := 1
+test validate bench: export OMP_NUM_THREADS := 1
 
 test: $(READY)
 	$(PYTHON) -m pytest -q -m "not slow" tests
 
 validate: $(READY)
 	$(PYTHON) -m pytest -q -m slow tests || [ $$? -eq 5 ] # 5: there are none
-	@set -e; for script in $(wildcard demos/*/run.py); do echo "== $$script"; $(PYTHON) $$script; done
+	$(PYTHON) scripts/validate.py -j $(JOBS)
 
 bench: $(READY)
 	@set -e; for script in $(wildcard benchmarks/*.py); do echo "== $$script"; $(PYTHON) $$script; done

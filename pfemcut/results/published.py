@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
@@ -43,6 +44,9 @@ ALWAYS_SHOWN = (
     "contact_end_temperature",
 )
 """Figures that a comparison shows even if nothing is published of them."""
+
+
+_LOG_WIDTH = 120
 
 
 class PublishedFigure(BaseModel):
@@ -151,11 +155,11 @@ def compare(
 
 def comparison_table(title: str, rows: Sequence[Row]) -> Table:
     """The rows as a table for the terminal."""
-    table = Table(title=title, title_justify="left")
+    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD)
     table.add_column("figure")
     for heading in ("published", "computed", "difference"):
-        table.add_column(heading, justify="right")
-    table.add_column("verdict")
+        table.add_column(heading, justify="right", no_wrap=True)
+    table.add_column("verdict", no_wrap=True)
     styles = {Verdict.WITHIN: "green", Verdict.OUTSIDE: "red", Verdict.NOT_COMPUTED: "yellow"}
     for row in rows:
         table.add_row(
@@ -171,7 +175,11 @@ def comparison_table(title: str, rows: Sequence[Row]) -> Table:
 
 def print_comparison(title: str, rows: Sequence[Row], console: Console | None = None) -> None:
     """Print the rows."""
-    (console or Console()).print(comparison_table(title, rows))
+    if console is None:
+        console = Console()
+        if not console.is_terminal:
+            console = Console(width=_LOG_WIDTH)
+    console.print(comparison_table(title, rows))
 
 
 def comparison_json(rows: Sequence[Row]) -> list[dict[str, Any]]:

@@ -1,4 +1,4 @@
-"""Temperature at the outer end of the shear band; of one frame, for comparisons with papers that state it."""
+"""Temperature at the outer end of the shear band, for comparisons with papers that state it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from pfemcut.method import Frame
-from pfemcut.results.definitions import Definition, Taken
+from pfemcut.results.definitions import Definition
 from pfemcut.results.derived.chip_section import to_rake_frame
 from pfemcut.results.derived.contact_length import temperature
 from pfemcut.tools.rigid_wedge import RigidWedge
@@ -16,8 +16,8 @@ FREE_SURFACE_TEMPERATURE = Definition(
     "free_surface_temperature",
     "Temperature where the shear band meets the free surface",
     "K",
-    "Of the boundary element with the largest plastic strain rate between the uncut surface and the chip's free side.",
-    Taken.LAST,
+    "Of the boundary element with the largest plastic strain rate between the uncut surface and the chip's free side; "
+    "over the frames in the steady window.",
 )
 
 

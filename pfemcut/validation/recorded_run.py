@@ -1,0 +1,98 @@
+"""One run whose sessions (starts and resumptions) are noted beside its results."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from numpy.typing import NDArray
+
+from pfemcut.case.load import load_case
+from pfemcut.driver import run_case
+from pfemcut.output.directory import HISTORY, SUMMARY
+from pfemcut.ranks import Ranks
+from pfemcut.results.checkpoint import NAME, PREVIOUS
+from pfemcut.results.history import read_table
+from pfemcut.results.published import write_json
+from pfemcut.results.summary import Summary
+from pfemcut.validation.provenance import provenance
+
+SESSIONS = "sessions.json"
+
+
+@dataclass(frozen=True)
+class Start:
+    """How a run starts.
+
+    Attributes
+    ----------
+    resume
+        Go on from the checkpoint in the directory, if there is one.
+    overwrite
+        Replace the results of an earlier run.
+    """
+
+    resume: bool = False
+    overwrite: bool = False
+
+
+def recorded_run(case_file: Path, directory: Path, overrides: Sequence[str], start: Start) -> Summary:
+    """Run a case into ``directory``; called by all ranks under MPI.
+
+    A finished run that is resumed costs seconds: it only summarises again, and isn't noted as a session.
+    """
+    ranks = Ranks()
+    case, material = load_case(case_file, overrides)
+    resume = ranks.on_first(
+        lambda: start.resume and any((directory / name).exists() for name in (NAME, PREVIOUS))
+    )
+    # A start that was killed before its first checkpoint leaves rows behind; asked to resume, it begins again.
+    overwrite = start.overwrite or (start.resume and not resume)
+    before = ranks.on_first(lambda: sessions(directory) if resume else [])
+    steps = ranks.on_first(lambda: _finished_steps(directory) if resume else 0)
+    note = {**provenance(), "resumed": resume}
+
+    def begin() -> None:
+        # Not beside a run that the driver is going to refuse to touch.
+        if resume or overwrite or not (directory / HISTORY).exists():
+            write_json(directory / SESSIONS, [*before, note])
+
+    def end(summary: Summary) -> None:
+        if summary.steps != steps:
+            return
+        write_json(directory / SESSIONS, before)
+        made = before[-1]["commit"] if before else "unknown"
+        if made != note["commit"]:
+            print(f"{directory}: finished before, with commit {made} (--overwrite runs it again)", flush=True)
+
+    ranks.on_first(begin)
+    summary = run_case(case, material, directory, resume=resume, overwrite=overwrite and not resume)
+    ranks.on_first(lambda: end(summary))
+    return summary
+
+
+def _finished_steps(directory: Path) -> int:
+    """Steps of the finished run in ``directory``; 0 if there is none."""
+    if not (directory / SUMMARY).exists():
+        return 0
+    summary = read_summary(directory)
+    return int(summary["steps"]["value"]) if summary["finished"] else 0
+
+
+def sessions(directory: Path) -> list[dict[str, Any]]:
+    """The sessions noted in ``directory``."""
+    path = directory / SESSIONS
+    return list(json.loads(path.read_text(encoding="utf-8"))) if path.exists() else []
+
+
+def read_summary(directory: Path) -> dict[str, Any]:
+    """Content of the run's ``summary.json``."""
+    return dict(json.loads((directory / SUMMARY).read_text(encoding="utf-8")))
+
+
+def read_history(directory: Path) -> Mapping[str, NDArray[Any]]:
+    """Columns of the run's ``history.csv``."""
+    return read_table(directory / HISTORY)

@@ -1,0 +1,86 @@
+"""The pages that are written from the code say what the code says, and the README's table can be filled in."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import re
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+PAGES = [
+    ROOT / "README.md",
+    *sorted((ROOT / "docs").glob("*.md")),
+    *sorted((ROOT / "demos").glob("*/README.md")),
+]
+
+
+def script(name: str) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(name, ROOT / "scripts" / f"{name}.py")
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_case_file_reference_is_up_to_date() -> None:
+    assert (ROOT / "docs" / "case_file.md").read_text(encoding="utf-8") == script(
+        "case_file_reference"
+    ).page(), "run python scripts/case_file_reference.py"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_links_inside_the_documentation_lead_somewhere(page: Path) -> None:
+    links = re.findall(r"\]\(([^)#]+)", page.read_text(encoding="utf-8"))
+    missing = [link for link in links if "://" not in link and not (page.parent / link).exists()]
+    assert missing == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_code_named_in_the_documentation_exists(page: Path) -> None:
+    names = re.findall(
+        r"`((?:pfemcut|meshing|scripts|tests|demos|docs|benchmarks)/[\w/.]+)`",
+        page.read_text(encoding="utf-8"),
+    )
+    missing = [name for name in names if "results" not in name and not (ROOT / name).exists()]
+    assert missing == []
+
+
+def test_results_table_shows_recorded_runs_and_says_what_is_missing(tmp_path: Path) -> None:
+    for name in ("cut_a", "cut_b"):
+        (tmp_path / name / "results").mkdir(parents=True)
+        (tmp_path / name / "published.toml").touch()
+    figure = {
+        "name": "max_temperature",
+        "label": "Maximum temperature",
+        "unit": "K",
+        "published": 810.0,
+        "tolerance": 25.0,
+        "source": "a paper",
+        "computed": 834.0,
+        "std": 2.0,
+        "difference": 0.0296,
+        "verdict": "within tolerance",
+    }
+    content = {
+        "travel": 1.09,
+        "steps": 3151,
+        "wall_time": 1080.0,
+        "steady": True,
+        "checks": {"energy_error": 0.006},
+        "figures": [figure],
+        "sessions": [{"commit": "abc"}, {"commit": "abc"}],
+        "recorded": {"commit": "def"},
+    }
+    (tmp_path / "cut_a" / "results" / "comparison.json").write_text(json.dumps(content), encoding="utf-8")
+    module = script("results_table")
+    lines = module.table(tmp_path).splitlines()
+    assert "| Maximum temperature | 810 ± 25 K | 834 ± 2 K | +3.0% | met |" in lines[2]
+    assert "no full run has been recorded yet" in lines[3]
+    assert "1.09 mm in 3151 steps and 18 min (steady); energy error 0.006; commit abc." in lines[-1]
+
+    text = f"before\n{module.BEGIN}\nold\n{module.END}\nafter\n"
+    assert module.filled(text, "new") == f"before\n{module.BEGIN}\nnew\n{module.END}\nafter\n"
