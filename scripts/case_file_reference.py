@@ -8,12 +8,14 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Literal, get_args, get_origin
+from types import UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from annotated_types import Ge, Gt, Le, Lt, MinLen
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
+from pfemcut.case.general_schema import GeneralCase
 from pfemcut.case.schema import Case
 
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "case_file.md"
@@ -25,13 +27,17 @@ and values out of range are errors that name the key. Every run writes the case 
 `inputs.resolved.toml`. On the command line, `--set section.key=value` overrides one value, and
 `pfemcut check CASE.toml` validates.
 
-This page is written by `python scripts/case_file_reference.py` from `pfemcut/case/schema.py`.
+This page is written by `python scripts/case_file_reference.py` from `pfemcut/case/*schema.py`.
 """
 MATERIAL = """\
 A material is a name in the library (`pfemcut materials`), a path to a material file (relative to the case file), or a
 table: `{ base = "voce_steel", hardening = { flow_stress_softening = 0.0 } }` takes a library material and changes
 some of its constants. `pfemcut materials NAME` prints a whole one.
 """
+KINDS: tuple[tuple[str, type[BaseModel]], ...] = (
+    ("An orthogonal cut", Case),
+    ('A general problem (`problem = "general"`)', GeneralCase),
+)
 RANGES: tuple[tuple[type, str, str], ...] = (
     (Gt, "gt", "> {}"),
     (Ge, "ge", "≥ {}"),
@@ -49,20 +55,30 @@ def main(arguments: Sequence[str]) -> int:
 
 def page() -> str:
     """The whole page."""
-    fields = Case.model_fields
-    sections = {name: table for name, field in fields.items() if (table := _model(field)) is not None}
-    top = {name: field for name, field in fields.items() if name not in sections}
-    parts = [INTRODUCTION, "## Top level\n", _table(top)]
-    for name, model in sections.items():
-        needed = "" if fields[name].is_required() else " It may be left out."
-        parts += [
-            f"\n## [{name}]\n",
-            f"{(model.__doc__ or '').strip()}{needed}\n",
-            _table(model.model_fields),
-        ]
-        if name == "workpiece":
+    parts = [INTRODUCTION]
+    for title, case in KINDS:
+        parts += [f"\n## {title}\n" if len(parts) > 1 else f"## {title}\n", *_sections(case, 3)]
+        if case is Case:
             parts.append("\n" + MATERIAL.rstrip())
     return "\n".join(parts) + "\n"
+
+
+def _sections(model: type[BaseModel], level: int, name: str = "") -> list[str]:
+    """A model's own keys, then its tables, each with its heading."""
+    fields = model.model_fields
+    tables = {key: table for key, field in fields.items() if (table := _model(field)) is not None}
+    own = {key: field for key, field in fields.items() if key not in tables}
+    parts = [_table(own)] if own else []
+    for key, table in tables.items():
+        path = f"{name}.{key}" if name else key
+        shown = f"[[{path}]]" if _many(fields[key]) else f"[{path}]"
+        needed = "" if fields[key].is_required() else " It may be left out."
+        parts += [
+            f"\n{'#' * level} {shown}\n",
+            f"{(table.__doc__ or '').strip()}{needed}\n",
+            *_sections(table, level + 1, path),
+        ]
+    return parts
 
 
 def _table(fields: dict[str, FieldInfo]) -> str:
@@ -75,8 +91,22 @@ def _table(fields: dict[str, FieldInfo]) -> str:
 
 
 def _model(field: FieldInfo) -> type[BaseModel] | None:
-    annotation = field.annotation
-    return annotation if isinstance(annotation, type) and issubclass(annotation, BaseModel) else None
+    """The model of a table or of a list of tables, if the field is one and nothing else."""
+    kinds = [each for each in _inner(field.annotation) if each not in (type(None), Ellipsis)]
+    models = [each for each in kinds if isinstance(each, type) and issubclass(each, BaseModel)]
+    return models[0] if len(models) == len(kinds) == 1 else None
+
+
+def _many(field: FieldInfo) -> bool:
+    return get_origin(field.annotation) is tuple
+
+
+def _inner(annotation: Any) -> tuple[Any, ...]:
+    if get_origin(annotation) is Annotated:
+        return _inner(get_args(annotation)[0])
+    if get_origin(annotation) in (tuple, Union, UnionType):
+        return tuple(inner for each in get_args(annotation) for inner in _inner(each))
+    return (annotation,)
 
 
 def _allowed(field: FieldInfo) -> str:
@@ -102,22 +132,27 @@ def _choices(annotation: Any) -> tuple[Any, ...]:
 
 def _kind(annotation: Any) -> str:
     names = {float: "number", int: "whole number", bool: "true or false", str: "text", dict: "table"}
-    kinds = [
-        names[get_origin(each) or each]
-        for each in get_args(annotation) or (annotation,)
-        if each is not type(None)
-    ]
-    return " or ".join(dict.fromkeys(kinds))
+    if get_origin(annotation) is tuple:
+        return "list of numbers" if str not in _inner(annotation) else "list of texts"
+    if get_origin(annotation) in (Union, UnionType):
+        kinds = [_kind(each) for each in get_args(annotation) if each is not type(None)]
+        return " or ".join(dict.fromkeys(kinds))
+    if get_origin(annotation) is Annotated:
+        return _kind(get_args(annotation)[0])
+    # A table of instants and values is the only model beside numbers.
+    return names.get(get_origin(annotation) or annotation, "table `{ time = […], value = […] }`")
 
 
 def _default(field: FieldInfo) -> str:
     if field.is_required():
         return "required"
     value = field.default
-    if value is None:
+    if value is None or value == ():
         return "–"
     if isinstance(value, bool):
         return f"`{str(value).lower()}`"
+    if isinstance(value, tuple):
+        return f"`{list(value)}`"
     return f'`"{value}"`' if isinstance(value, str) else f"`{value:g}`"
 
 

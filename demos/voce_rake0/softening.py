@@ -30,7 +30,9 @@ FIGURES = {
 
 
 def variant(coefficient: float) -> Variant:
-    material = f'{{base = "voce_steel", hardening = {{flow_stress_softening = {coefficient!r}}}}}'
+    # Eq. 10 of the paper has one coefficient for initial yield stress and hardening.
+    softening = f"flow_stress_softening = {coefficient!r}, hardening_softening = {coefficient!r}"
+    material = f'{{base = "voce_steel", hardening = {{{softening}}}}}'
     return Variant(
         f"w0_{coefficient:g}",
         (f'title="Voce steel, w0 = {coefficient:g} 1/K"', f"workpiece.material={material}"),

@@ -135,7 +135,7 @@ FIGURES = (
         "heat_error",
         "Heat ledger error",
         "-",
-        "(heat content − sources + losses) / sources, at the end.",
+        "(sources − losses − heat content) / sources, at the end.",
         Taken.LAST,
     ),
     Definition(

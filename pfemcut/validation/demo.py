@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from pfemcut.case.load import load_case
+from pfemcut.case.schema import Case
 from pfemcut.method import Frame
 from pfemcut.output.directory import FIGURES, INPUTS, SUMMARY
 from pfemcut.output.vtu import read_collection, read_last_frame, write_collection
@@ -67,6 +68,8 @@ def figures_of(output: Path, case_file: Path) -> dict[str, Any]:
     """Content of ``summary.json``, and the figures that only a comparison asks for."""
     summary = read_summary(output)
     case, _ = load_case(case_file)
+    if not isinstance(case, Case):
+        return summary
     begin, end = (travel / case.cutting.speed for travel in summary["window"])
     found = np.array(
         [

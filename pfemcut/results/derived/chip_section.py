@@ -60,7 +60,7 @@ class ChipSection:
         return np.hypot(*(self.free_side - self.rake_side).T)
 
 
-_NOTHING = ChipSection(*(np.empty((0, 2)) for _ in range(4)), False)
+_NOTHING = ChipSection(np.empty((0, 2)), np.empty((0, 2)), np.empty((0, 2)), np.empty((0, 2)), False)
 
 
 def to_rake_frame(points: Array, tool: RigidWedge) -> Array:

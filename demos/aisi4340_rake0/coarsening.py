@@ -1,0 +1,94 @@
+"""Removal of particles by error estimators: node count and forces with and without it.
+
+    python demos/aisi4340_rake0/coarsening.py [-o DIR] [--resume | --overwrite] [--travel MM] [--only NAME]
+
+On the reduced block and coarse mesh of demos/aisi4340_demo. The estimator on the plastic strain must not move the
+cutting force by more than 1 %.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+
+from pfemcut.validation.study import Outcome, Study, Variant, finite, main, write_table
+
+LIMIT = 0.01
+FIGURES = ("cutting_force", "thrust_force", "max_temperature", "chip_thickness")
+
+
+def conclude(outcomes: Sequence[Outcome], results: Path) -> tuple[dict[str, Any], bool]:
+    reference = outcomes[0]
+    header = ["estimator", *(f"{name}{part}" for name in FIGURES for part in ("", "_std", "_difference"))]
+    header += ["particles_at_end", "particles_a_mm", "energy_error", "seconds_per_step", "travel"]
+    rows: list[list[str | float]] = [
+        [
+            outcome.variant.name,
+            *(
+                value
+                for name in FIGURES
+                for value in (
+                    outcome.mean(name),
+                    outcome.std(name),
+                    outcome.mean(name) / reference.mean(name) - 1.0,
+                )
+            ),
+            float(outcome.history["nodes"][-1]),
+            late_growth(outcome),
+            outcome.mean("energy_error"),
+            float(outcome.summary["seconds_per_step"]["total"]),
+            float(outcome.summary["travel"]),
+        ]
+        for outcome in outcomes
+    ]
+    write_table(results / "coarsening.csv", "Coarsening by error estimators", header, rows)
+    draw(outcomes, results / "coarsening.png")
+    content = {
+        str(row[0]): {
+            name: finite(value)
+            for name, value in zip(header[1:], row[1:], strict=True)
+            if isinstance(value, float)
+        }
+        for row in rows
+    }
+    moved = outcomes[1].mean("cutting_force") / reference.mean("cutting_force") - 1.0
+    return {**content, "cutting_force_difference": finite(moved), "limit": LIMIT}, abs(moved) < LIMIT
+
+
+def late_growth(outcome: Outcome) -> float:
+    """Particles gained per mm of travel over the last half of the cut."""
+    travel, nodes = outcome.history["travel"], outcome.history["nodes"]
+    late = travel > 0.5 * travel[-1]
+    return float((nodes[late][-1] - nodes[late][0]) / (travel[late][-1] - travel[late][0]))
+
+
+def draw(outcomes: Sequence[Outcome], path: Path) -> None:
+    figure, (above, below) = plt.subplots(2, 1, figsize=(8.0, 6.0), layout="constrained", sharex=True)
+    for outcome in outcomes:
+        travel = outcome.history["travel"]
+        above.plot(travel, outcome.history["nodes"], label=outcome.variant.name)
+        below.plot(travel, outcome.history["cutting_force"], linewidth=0.7)
+    above.set(ylabel="particles", title="Coarsening by error estimators")
+    above.legend(fontsize="small")
+    below.set(xlabel="travel (mm)", ylabel="cutting force (N/mm)", ylim=(0.0, None))
+    for axes in (above, below):
+        axes.grid(alpha=0.3)
+    figure.savefig(path, dpi=90)
+    plt.close(figure)
+
+
+STUDY = Study(
+    "coarsening",
+    Path(__file__).resolve().parent,
+    (
+        Variant("none"),
+        Variant("plastic-strain", ('mesh.coarsening="plastic-strain"',)),
+        Variant("stress", ('mesh.coarsening="stress"', "mesh.coarsening_tolerance=0.05")),
+    ),
+    conclude,
+    travel=0.8,
+)
+
+if __name__ == "__main__":
+    main(STUDY)

@@ -1,0 +1,86 @@
+"""Mesh and step convergence of the forces, with observed order and grid convergence index.
+
+    python demos/aisi4340_rake0/convergence.py [-o DIR] [--resume | --overwrite] [--travel MM] [--only NAME]
+
+On the reduced block of demos/aisi4340_demo: three meshes at the paper's step (all sizes refined by the same ratio),
+and three steps on the middle mesh. Grid convergence index after Roache (1994): 1.25 |relative change| / (r^p - 1).
+"""
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from pfemcut.validation.study import Outcome, Study, Variant, finite, main, write_table
+
+RATIO = math.sqrt(2.0)
+STEP = 1.041e-7
+SIZES = {"tip_size": 0.005, "shear_zone_size": 0.01, "chip_size": 0.015, "surface_size": 0.015}
+GROWTH = 0.08
+FIGURES = ("cutting_force", "thrust_force", "chip_thickness", "contact_length", "max_temperature")
+SAFETY = 1.25
+
+
+def mesh_variant(name: str, factor: float) -> Variant:
+    sizes = tuple(f"mesh.{key}={value * factor!r}" for key, value in SIZES.items())
+    return Variant(name, (*sizes, f"mesh.growth={GROWTH * factor!r}"))
+
+
+def step_variant(name: str, factor: float) -> Variant:
+    return Variant(name, (f"time.step={STEP * factor!r}",))
+
+
+def order_and_index(coarse: float, middle: float, fine: float, ratio: float) -> tuple[float, float]:
+    """Observed order and grid convergence index of the fine value; nan where the sequence does not converge."""
+    change, before = fine - middle, middle - coarse
+    if change * before <= 0.0 or abs(change) >= abs(before):
+        return math.nan, math.nan
+    order = math.log(before / change) / math.log(ratio)
+    return order, SAFETY * abs(change / fine) / (ratio**order - 1.0)
+
+
+def conclude(outcomes: Sequence[Outcome], results: Path) -> tuple[dict[str, Any], bool]:
+    by_name = {outcome.variant.name: outcome for outcome in outcomes}
+    header = ["run", "particles", *(f"{name}{part}" for name in FIGURES for part in ("", "_std"))]
+    rows: list[list[str | float]] = [
+        [
+            name,
+            float(outcome.history["nodes"][-1]),
+            *(value for figure in FIGURES for value in (outcome.mean(figure), outcome.std(figure))),
+        ]
+        for name, outcome in by_name.items()
+    ]
+    write_table(results / "convergence.csv", "Convergence of the cut", header, rows)
+    content: dict[str, Any] = {}
+    for ladder, names, ratio in (
+        ("mesh", ("mesh_coarse", "reference", "mesh_fine"), RATIO),
+        ("step", ("step_long", "reference", "step_short"), 2.0),
+    ):
+        content[ladder] = {}
+        for figure in FIGURES:
+            values = [by_name[name].mean(figure) for name in names]
+            order, index = order_and_index(values[0], values[1], values[2], ratio)
+            content[ladder][figure] = {
+                "values": [finite(value) for value in values],
+                "observed_order": finite(order),
+                "grid_convergence_index": finite(index),
+            }
+    return content, all(outcome.summary["finished"] for outcome in outcomes)
+
+
+STUDY = Study(
+    "convergence",
+    Path(__file__).resolve().parent,
+    (
+        Variant("reference"),
+        mesh_variant("mesh_coarse", RATIO),
+        mesh_variant("mesh_fine", 1.0 / RATIO),
+        step_variant("step_long", 2.0),
+        step_variant("step_short", 0.5),
+    ),
+    conclude,
+    travel=0.4,
+)
+
+if __name__ == "__main__":
+    main(STUDY)
