@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 from mpi4py import MPI
 from numpy.typing import NDArray
 
@@ -20,10 +21,14 @@ from meshing.sizes import SizeField
 from meshing.triangulation import constrained_delaunay
 from pfemcut.case.cutting import cutting_problem
 from pfemcut.case.load import validated
+from pfemcut.fem.momentum_system import MomentumSystem, NodalForces
 from pfemcut.materials.hardening.voce import Voce
 from pfemcut.materials.material import HardeningLaw, Material, Property
+from pfemcut.pfem import mechanics
+from pfemcut.pfem.method import PfemMethod
 from pfemcut.pfem.step import Kernels
 from pfemcut.problem import (
+    Axis,
     Body,
     Coarsening,
     ContactLaw,
@@ -31,6 +36,7 @@ from pfemcut.problem import (
     HeatFlux,
     HeatSource,
     Integrator,
+    MovingTool,
     NewtonControls,
     ParticleControls,
     PrescribedMotion,
@@ -91,6 +97,31 @@ def steel(
     )
 
 
+def fixed_x(part: str) -> PrescribedMotion:
+    """A part held in x."""
+    return moving(part, Axis.X, 0.0)
+
+
+def fixed_y(part: str) -> PrescribedMotion:
+    """A part held in y."""
+    return moving(part, Axis.Y, 0.0)
+
+
+def moving(part: str, axis: Axis, velocity: float) -> PrescribedMotion:
+    """A part that moves with constant ``velocity`` (mm/s) from time zero."""
+    return PrescribedMotion(part, axis, velocity)
+
+
+def hot(part: str, temperature: float) -> PrescribedTemperature:
+    """A part held at a ``temperature`` (K)."""
+    return PrescribedTemperature(part, temperature)
+
+
+def heated(part: str, flux: float) -> HeatFlux:
+    """A part that takes up a constant ``flux`` (mW/mm²)."""
+    return HeatFlux(part, flux)
+
+
 def block_problem(
     *,
     width: float = 1.0,
@@ -100,14 +131,18 @@ def block_problem(
     motions: tuple[PrescribedMotion, ...] = (),
     temperatures: tuple[PrescribedTemperature, ...] = (),
     fluxes: tuple[HeatFlux, ...] = (),
+    tool: tuple[MovingTool, ...] = (),
+    friction: float = 0.0,
+    reference_speed: float = 100.0,
     remesh: bool = True,
     step: float = 1e-5,
     steps: int = 10,
     integrator: Integrator = Integrator.IMPL_EX,
     inertia: bool = False,
     tolerance: float = 1e-8,
+    stabilisation: float = 1.0,
 ) -> Problem:
-    """A block [0, width] x [0, height] with sides bottom, right, top and left, without tool."""
+    """A block [0, width] x [0, height] with sides bottom, right, top and left."""
     return Problem(
         title="block",
         body=Body(
@@ -120,8 +155,10 @@ def block_problem(
         motions=motions,
         temperatures=temperatures,
         fluxes=fluxes,
-        tool=(),
-        contact=ContactLaw(penalty=4e7, friction=0.0, reference_speed=1.0, heat_partition=0.5),
+        tool=tool,
+        contact=ContactLaw(
+            penalty=4e7, friction=friction, reference_speed=reference_speed, heat_partition=0.5
+        ),
         particles=ParticleControls(
             sizes=size if isinstance(size, SizeField) else SizeField((), size),
             sizes_velocity=(0.0, 0.0),
@@ -150,7 +187,7 @@ def block_problem(
             inertia=inertia,
         ),
         newton=NewtonControls(tolerance=tolerance, max_iterations=15),
-        stabilisation=1.0,
+        stabilisation=stabilisation,
         cut=(),
     )
 
@@ -179,6 +216,73 @@ def cut_problem(**sections: Mapping[str, Any]) -> Problem:
     }
     case, material = validated(table, Path())
     return cutting_problem(case, material)
+
+
+def advanced(problem: Problem, steps: int) -> PfemMethod:
+    """The run of ``problem`` after ``steps`` steps."""
+    method = PfemMethod.start(problem)
+    for _ in range(steps):
+        method.advance()
+    return method
+
+
+def start_on(problem: Problem, mesh: Mesh) -> PfemMethod:
+    """A run at time zero on a given mesh of the problem's body."""
+    arrays = dict(PfemMethod.start(problem).state())
+    particles, elements = len(arrays["mesh/points"]), len(arrays["mesh/cells"])
+    for name, values in arrays.items():
+        if name.startswith("fields/"):
+            count = {particles: len(mesh.points), elements: len(mesh.cells)}[len(values)]
+            arrays[name] = np.repeat(values[:1], count, axis=0)
+    arrays |= {
+        "mesh/points": mesh.points,
+        "mesh/cells": mesh.cells,
+        "mesh/ids": mesh.ids,
+        "mesh/next_id": np.asarray(mesh.next_id),
+        "mesh/boundary/particles": mesh.boundary.particles,
+        "mesh/boundary/parts": mesh.boundary.parts,
+        "mesh/boundary/starts": mesh.boundary.starts,
+    }
+    return PfemMethod.restore(problem, arrays)
+
+
+def with_fields(problem: Problem, method: PfemMethod, **fields: Array) -> PfemMethod:
+    """The run with some of its fields replaced, going on with ``problem``."""
+    arrays = dict(method.state())
+    for name, values in fields.items():
+        assert arrays[f"fields/{name}"].shape == values.shape
+        arrays[f"fields/{name}"] = values
+    return PfemMethod.restore(problem, arrays)
+
+
+def prescribe_boundary(monkeypatch: pytest.MonkeyPatch, displacement: Callable[[Array], Array]) -> None:
+    """Make every step move all boundary particles by a function of their positions, instead of the conditions."""
+
+    def increments(_: Problem, mesh: Mesh, *__: float) -> tuple[NDArray[np.bool_], Array]:
+        fixed, value = np.zeros((len(mesh.points), 3), dtype=bool), np.zeros((len(mesh.points), 3))
+        particles = mesh.boundary.particles
+        fixed[particles, :2] = True
+        value[particles, :2] = displacement(mesh.points[particles])
+        return fixed, value
+
+    monkeypatch.setattr(mechanics, "prescribed_increments", increments)
+
+
+def no_forces() -> NodalForces:
+    """No contact, loads or inertia."""
+    return NodalForces(np.empty(0, dtype=np.int64), np.empty((0, 2)), np.empty((0, 2, 2)))
+
+
+def dense_tangent(system: MomentumSystem, count: int, fixed: NDArray[np.bool_]) -> Array:
+    """The matrix of the Newton correction at the last residual, rows and columns in the order of (n, 3)."""
+    system.solve(np.zeros((count, 3)), no_forces())
+    indices = np.arange(3 * count, dtype=np.int32)
+    matrix = system._matrix.getValues(indices, indices)  # no public way to see it
+    particles = system._mixed.particles
+    order = (3 * particles[:, None] + np.arange(3)).ravel()
+    dense = np.empty_like(matrix)
+    dense[np.ix_(order, order)] = matrix
+    return dense[np.ix_(~fixed.ravel(), ~fixed.ravel())]
 
 
 @cache
