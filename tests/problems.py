@@ -42,8 +42,10 @@ from pfemcut.problem import (
     PrescribedMotion,
     PrescribedTemperature,
     Problem,
+    Schedule,
     TimeControls,
     VolumetricHistory,
+    constant,
 )
 
 Array = NDArray[np.float64]
@@ -109,17 +111,17 @@ def fixed_y(part: str) -> PrescribedMotion:
 
 def moving(part: str, axis: Axis, velocity: float) -> PrescribedMotion:
     """A part that moves with constant ``velocity`` (mm/s) from time zero."""
-    return PrescribedMotion(part, axis, velocity)
+    return PrescribedMotion(part, axis, Schedule((0.0, 1.0), (0.0, velocity)))
 
 
 def hot(part: str, temperature: float) -> PrescribedTemperature:
     """A part held at a ``temperature`` (K)."""
-    return PrescribedTemperature(part, temperature)
+    return PrescribedTemperature(part, constant(temperature))
 
 
 def heated(part: str, flux: float) -> HeatFlux:
     """A part that takes up a constant ``flux`` (mW/mm²)."""
-    return HeatFlux(part, flux)
+    return HeatFlux(part, constant(flux))
 
 
 def block_problem(
@@ -270,7 +272,7 @@ def prescribe_boundary(monkeypatch: pytest.MonkeyPatch, displacement: Callable[[
 
 def no_forces() -> NodalForces:
     """No contact, loads or inertia."""
-    return NodalForces(np.empty(0, dtype=np.int64), np.empty((0, 2)), np.empty((0, 2, 2)))
+    return NodalForces.sum([])
 
 
 def dense_tangent(system: MomentumSystem, count: int, fixed: NDArray[np.bool_]) -> Array:
