@@ -56,7 +56,7 @@ def test_free_heated_block_expands_by_the_exact_law(remesh: bool) -> None:
         # So long a step that the heat of the sides reaches everywhere.
         sides = tuple(hot(side, REFERENCE_TEMPERATURE + rise) for side in SIDES)
         return block_problem(
-            motions=ROLLERS, temperatures=sides, remesh=remesh, size=size, step=1e8, steps=11, tolerance=1e-11
+            motions=ROLLERS, temperatures=sides, remesh=remesh, size=size, step=1e8, steps=11
         )
 
     method = PfemMethod.start(heated_to(0.0, 0.2))
@@ -116,7 +116,7 @@ FORGETS = (
 )
 
 
-@pytest.mark.xfail(strict=True, reason=FORGETS)
+@pytest.mark.xfail(strict=True, raises=AssertionError, reason=FORGETS)
 @pytest.mark.parametrize("remesh", [False, True])
 def test_energy_of_a_block_between_sticking_plates_closes(remesh: bool) -> None:
     """Tension with pressure gradients: energy within 0.5 %."""
@@ -136,12 +136,10 @@ def test_heat_of_a_block_between_sticking_plates_closes(remesh: bool) -> None:
     assert abs(method.own_measures()["heat_error"]) < 0.005
 
 
-@pytest.mark.xfail(strict=True, reason=FORGETS)
+@pytest.mark.xfail(strict=True, raises=AssertionError, reason=FORGETS)
 def test_held_elastic_block_keeps_its_stress() -> None:
     """Squeezed by 1 % between sticking plates in ten steps, then held for 30: pressures as they were, to 1 %."""
-    squeeze = block_problem(
-        motions=(*STICKING, moving("top", Axis.Y, -100.0)), size=0.2, remesh=False, steps=100
-    )
+    squeeze = block_problem(motions=(*STICKING, moving("top", Axis.Y, -100.0)), size=0.2, steps=100)
     method = advanced(squeeze, 10)
     before = method.current.fields.pressure
     method = PfemMethod.restore(replace(squeeze, motions=(*STICKING, fixed_y("top"))), method.state())
@@ -152,7 +150,7 @@ def test_held_elastic_block_keeps_its_stress() -> None:
 
 
 def test_elastic_stretch_stores_its_work() -> None:
-    """The rectangle of backward Euler counts 1 / (steps + 1) of a linear force's work too much (to 1 %), no more."""
+    """Backward Euler's rectangle counts 1 / (steps + 1) of a linear force's work too much (1 % of it), no more."""
     for steps in (10, 20):
         problem = block_problem(
             motions=(*ROLLERS, moving("top", Axis.Y, 1e-3 / (steps * 1e-5))), steps=steps, remesh=False
@@ -160,14 +158,14 @@ def test_elastic_stretch_stores_its_work() -> None:
         method = advanced(problem, steps)
         assert method.measure().plastic_work == 0.0
         assert method.own_measures()["boundary_work"] > 0.0
-        assert method.measure().energy_error * (steps + 1) == pytest.approx(1.0, rel=0.01)
+        assert abs(method.measure().energy_error) < 1.01 / (steps + 1)
 
 
 def thrown(
     velocity: Array, remesh: bool = True, steps: int = 10, step: float = 1e-6
 ) -> tuple[Problem, PfemMethod]:
     """A block without supports, with inertia, its particles at ``velocity`` (n, 2) or (2,)."""
-    problem = block_problem(inertia=True, remesh=remesh, steps=steps, step=step, tolerance=1e-10)
+    problem = block_problem(inertia=True, remesh=remesh, steps=steps, step=step)
     method = PfemMethod.start(problem)
     displacement = np.broadcast_to(velocity, method.current.mesh.points.shape) * step
     return problem, with_fields(problem, method, last_displacement=displacement)
@@ -182,6 +180,7 @@ def test_thrown_block_keeps_its_velocity(remesh: bool) -> None:
     for _ in range(10):
         method.advance()
     fields, clock = method.current.fields, method.current.clock
+    assert method.own_measures()["step_cuts"] == 0
     assert np.abs(fields.last_displacement / clock.last_dt - velocity).max() < 1e-8 * 2e4
     assert method.measure().kinetic_energy == pytest.approx(0.5 * 7.8e-9 * velocity @ velocity, rel=1e-8)
     if not remesh:
