@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
+from numpy.typing import NDArray
 
 from meshing.initial import Arc
 from meshing.mesh import Mesh
@@ -141,11 +142,34 @@ class Body:
 
 @dataclass(frozen=True)
 class PrescribedMotion:
-    """A displacement component (mm since time zero) prescribed on a boundary part."""
+    """A displacement component prescribed on a boundary part, the same everywhere or linear along it.
+
+    Attributes
+    ----------
+    part, axis
+        Where, and which component.
+    displacement
+        mm since time zero.
+    gradient
+        Derivatives of the displacement by the initial position, x and y; none if the part moves as one.
+    centre
+        Initial position where the gradient adds nothing (mm).
+    """
 
     part: str
     axis: Axis
     displacement: Schedule
+    gradient: tuple[Schedule, ...] = ()
+    centre: tuple[float, float] = (0.0, 0.0)
+
+    def increment(self, start: float, end: float) -> NDArray[np.float64]:
+        """Change from time ``start`` to ``end`` (s) of the displacement and of its gradient, x and y; shape (3,)."""
+        schedules = (self.displacement, *(self.gradient or (constant(0.0), constant(0.0))))
+        return np.array([schedule(end) - schedule(start) for schedule in schedules])
+
+    def shape(self, initial: NDArray[np.float64]) -> NDArray[np.float64]:
+        """What :meth:`increment` multiplies at the initial positions (n, 2): 1, X - X_c, Y - Y_c; shape (n, 3)."""
+        return np.column_stack([np.ones(len(initial)), initial - np.asarray(self.centre)])
 
 
 def fixed(part: str, axis: Axis) -> PrescribedMotion:

@@ -133,6 +133,10 @@ def _motions(side: BoundaryTable, end: float) -> Iterator[PrescribedMotion]:
         speed = getattr(side.velocity, name, None)
         if speed is not None:
             yield PrescribedMotion(side.part, axis, Schedule((0.0, end), (0.0, speed * end)))
+        slopes = [getattr(side.gradient, name + other, None) for other in "xy"]
+        if side.gradient is not None and slopes != [None, None]:
+            gradient = tuple(_schedule(slope or 0.0) for slope in slopes)
+            yield PrescribedMotion(side.part, axis, constant(0.0), gradient, side.gradient.centre)
 
 
 def _load(components: Components) -> tuple[Schedule, Schedule]:

@@ -56,6 +56,16 @@ class Components(Section):
     y: Amount | None = Field(default=None, description="Component in y")
 
 
+class GradientTable(Section):
+    """A displacement that is linear in the initial position; a component without any entry is not prescribed."""
+
+    centre: Point = Field(default=(0.0, 0.0), description="Initial position that does not move (mm)")
+    xx: Amount | None = Field(default=None, description="Derivative of u_x by X (dimensionless)")
+    xy: Amount | None = Field(default=None, description="Derivative of u_x by Y (dimensionless)")
+    yx: Amount | None = Field(default=None, description="Derivative of u_y by X (dimensionless)")
+    yy: Amount | None = Field(default=None, description="Derivative of u_y by Y (dimensionless)")
+
+
 class ArcSide(Section):
     """A side of the outline that is a circular arc of less than half a turn."""
 
@@ -128,6 +138,9 @@ class BoundaryTable(Section):
     part: str = Field(description="Name of the boundary part")
     displacement: Components | None = Field(default=None, description="Displacement since time zero (mm)")
     velocity: Components | None = Field(default=None, description="Constant velocity (mm/s)")
+    gradient: GradientTable | None = Field(
+        default=None, description="Displacement since time zero that is linear in the initial position"
+    )
     force: Components | None = Field(
         default=None, description="Force spread evenly over the part (N per mm of width)"
     )
@@ -140,8 +153,8 @@ class BoundaryTable(Section):
 
     @model_validator(mode="after")
     def _moves_one_way(self) -> Self:
-        if self.displacement is not None and self.velocity is not None:
-            raise ValueError("displacement and velocity exclude each other")
+        if sum(each is not None for each in (self.displacement, self.velocity, self.gradient)) > 1:
+            raise ValueError("displacement, velocity and gradient exclude each other")
         for component in (self.velocity.x, self.velocity.y) if self.velocity else ():
             if isinstance(component, TimeTable):
                 raise ValueError("velocity: must be constant; prescribe a displacement that changes in time")

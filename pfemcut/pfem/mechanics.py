@@ -120,17 +120,19 @@ def pressure_volume_ratios(material: Material, mesh: Mesh, fields: Fields) -> Ar
 
 
 def prescribed_increments(
-    problem: Problem, mesh: Mesh, start_time: float, step: float
+    problem: Problem, mesh: Mesh, displacement: Array, start_time: float, step: float
 ) -> tuple[BoolArray, Array]:
-    """Which unknowns (u_x, u_y, p) are prescribed and to what over ``step`` (s); both (n, 3)."""
+    """Which unknowns (u_x, u_y, p) are prescribed and to what over ``step`` (s); both (n, 3).
+
+    ``displacement`` is that since time zero (mm); shape (n, 2).
+    """
     fixed = np.zeros((len(mesh.points), 3), dtype=bool)
     value = np.zeros((len(mesh.points), 3))
     for motion in problem.motions:
         particles = part_particles(problem, mesh, motion.part)
         fixed[particles, motion.axis.value] = True
-        value[particles, motion.axis.value] = motion.displacement(start_time + step) - motion.displacement(
-            start_time
-        )
+        shape = motion.shape(mesh.points[particles] - displacement[particles])
+        value[particles, motion.axis.value] = shape @ motion.increment(start_time, start_time + step)
     return fixed, value
 
 
@@ -217,7 +219,7 @@ def solve_motion(
         )
         return Linearisation(element, nodal, float(trial.jacobian.min()))
 
-    fixed, value = prescribed_increments(problem, mesh, start_time, step)
+    fixed, value = prescribed_increments(problem, mesh, fields.displacement, start_time, step)
     start = np.column_stack([fields.last_displacement * (step / last_step), fields.pressure])
     start[fixed] = value[fixed]
     yield_stress = float(

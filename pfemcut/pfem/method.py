@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 _ROOT_2_3 = np.sqrt(2.0 / 3.0)
 _ROOT_3_2 = np.sqrt(1.5)
-_NO_STEP = StepRecord(np.zeros(2), 0, 0, 0, 0, 0, 0.0, np.zeros(0))
+_NO_STEP = StepRecord(np.zeros(2), 0, 0, 0, 0, 0, 0.0, np.zeros((0, 3)))
 
 
 class PfemMethod:
@@ -59,7 +59,7 @@ class PfemMethod:
                 initial_mass=energies.mass(problem, mesh, fields),
                 initial_kinetic_energy=energies.kinetic_energy(problem, mesh, fields, first),
                 last_tool_force=np.zeros(2),
-                last_reactions=np.zeros(len(problem.motions)),
+                last_reactions=np.zeros((len(problem.motions), 3)),
                 probes=_nearest_particles(mesh, [probe.point for probe in problem.probes]),
             ),
         )
@@ -208,11 +208,16 @@ class PfemMethod:
         return (work - sinks) / work if work else 0.0
 
     def _reactions(self) -> dict[str, float]:
-        """Forces of the supports on the body (N/mm)."""
-        return {
-            f"reaction_{motion.part}_{motion.axis.name.lower()}": float(force)
-            for motion, force in zip(self._problem.motions, self._state.last_reactions, strict=True)
-        }
+        """Forces of the supports on the body (N/mm), and moments (N) where a motion has a gradient."""
+        columns = {}
+        for motion, (force, *moments) in zip(self._problem.motions, self._state.last_reactions, strict=True):
+            component = f"{motion.part}_{motion.axis.name.lower()}"
+            columns[f"reaction_{component}"] = float(force)
+            if motion.gradient:
+                columns.update(
+                    {f"moment_{component}{j}": float(m) for j, m in zip("xy", moments, strict=True)}
+                )
+        return columns
 
     def _probed(self) -> dict[str, float]:
         """Displacement (mm) and temperature (K) of the probes' particles."""

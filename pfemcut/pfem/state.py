@@ -191,7 +191,8 @@ class State:
 
     ``initial_mass`` and ``initial_kinetic_energy`` are those of the start (tonne/mm, mJ/mm); ``probes`` are the
     identities of the particles that the problem's probes follow; ``last_tool_force`` (2,) and ``last_reactions``
-    (motions,) are the forces on the tool and of the prescribed motions at the end of the last step (N/mm).
+    (motions, 3) are the force on the tool (N/mm), and those of the prescribed motions with their moments, at the end
+    of the last step.
     """
 
     mesh: Mesh

@@ -69,7 +69,8 @@ class StepRecord:
     plastic_power
         Total (mW/mm).
     reactions
-        Force of the support on the body for each prescribed motion, along its axis (N/mm); (motions,).
+        Of the support on the body for each prescribed motion, along its axis: force (N/mm), and its moments with the
+        initial distances from the motion's centre in x and y (N); (motions, 3).
     """
 
     tool_force: Array
@@ -247,12 +248,7 @@ def _record(
         mesh.cells,
     )
     pressure = element_mean(motion.pressure, mesh.cells)
-    reactions = np.array(
-        [
-            motion.reactions[part_particles(problem, mesh, each.part), each.axis.value].sum()
-            for each in problem.motions
-        ]
-    )
+    reactions = _support_forces(problem, mesh, fields, motion)
     ledger = state.ledger.plus(
         tool_work=work,
         plastic=total_power * step,
@@ -276,6 +272,16 @@ def _record(
     return record, ledger
 
 
+def _support_forces(problem: Problem, mesh: Mesh, fields: Fields, motion: Motion) -> Array:
+    """Forces and moments of the supports, see :class:`StepRecord`; shape (motions, 3)."""
+    supports = np.zeros((len(problem.motions), 3))
+    for support, each in zip(supports, problem.motions, strict=True):
+        particles = part_particles(problem, mesh, each.part)
+        shape = each.shape(mesh.points[particles] - fields.displacement[particles])
+        support[:] = motion.reactions[particles, each.axis.value] @ shape
+    return supports
+
+
 def _boundary_work(
     problem: Problem, state: State, mesh: Mesh, motion: Motion, reactions: Array, step: float
 ) -> float:
@@ -283,8 +289,7 @@ def _boundary_work(
     start = state.clock.time
     work = 0.0
     for each, before, after in zip(problem.motions, state.last_reactions, reactions, strict=True):
-        moved = each.displacement(start + step) - each.displacement(start)
-        work += 0.5 * float(before + after) * moved
+        work += 0.5 * float((before + after) @ each.increment(start, start + step))
     at_start = nodal_loads(problem, mesh, np.zeros_like(motion.displacement), start)
     at_end = nodal_loads(problem, mesh, motion.displacement, start + step)
     return work + 0.5 * float(np.sum((at_start + at_end) * motion.displacement))
