@@ -52,6 +52,18 @@ class VolumetricHistory(Enum):
     MIXED = "mixed"
 
 
+class ElementTransfer(Enum):
+    """What an element that a remesh changed takes from the old elements in its place.
+
+    SAMPLE: the value at its Gauss point. MEAN: the mean over its area. LINEAR: the mean over its area of values that
+    vary linearly in each old element.
+    """
+
+    SAMPLE = "sample"
+    MEAN = "mean"
+    LINEAR = "linear"
+
+
 @dataclass(frozen=True)
 class Schedule:
     """A value as a piecewise linear function of time, constant beyond its ends.
@@ -268,8 +280,8 @@ class ParticleControls:
         A new particle keeps this times h from the others.
     interior_removal
         A particle closer than this times h to another is removed.
-    volumetric_history
-        See the enumeration.
+    volumetric_history, transfer
+        See the enumerations.
     power_tolerance
         Plastic power of one element, as a fraction of the body's, above which it is refined (eq. 1).
     power_smallest
@@ -288,6 +300,7 @@ class ParticleControls:
     interior_spacing: float
     interior_removal: float
     volumetric_history: VolumetricHistory
+    transfer: ElementTransfer
     power_tolerance: float
     power_smallest: float
 

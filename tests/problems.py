@@ -26,6 +26,7 @@ from pfemcut.pfem.step import Kernels
 from pfemcut.problem import (
     Body,
     ContactLaw,
+    ElementTransfer,
     HeatFlux,
     HeatSource,
     Integrator,
@@ -124,6 +125,7 @@ def block_problem(
             sizes=size if isinstance(size, SizeField) else SizeField((), size),
             sizes_velocity=(0.0, 0.0),
             volumetric_history=VolumetricHistory.PRESSURE if remesh else VolumetricHistory.ELEMENT,
+            transfer=ElementTransfer.LINEAR,
             remesh=remesh,
             insert=True,
             remove=True,

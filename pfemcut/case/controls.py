@@ -6,6 +6,7 @@ from meshing.sizes import SizeField
 from pfemcut.case.sections import Contact, Solver, Spacing, Time
 from pfemcut.problem import (
     ContactLaw,
+    ElementTransfer,
     HeatSource,
     Integrator,
     NewtonControls,
@@ -42,6 +43,7 @@ def particle_controls(
         interior_spacing=spacing.interior_spacing,
         interior_removal=spacing.interior_removal,
         volumetric_history=_volumetric_history(spacing),
+        transfer=ElementTransfer(spacing.transfer),
         power_tolerance=spacing.power_tolerance,
         power_smallest=spacing.power_smallest,
     )
