@@ -23,8 +23,9 @@ def crowded_particles(points: Array, cells: IntArray, on_boundary: BoolArray, di
     """
     edges = unique_edges(cells)
     i, j = edges[:, 0], edges[:, 1]
-    with np.errstate(divide="ignore"):  # a particle with distance zero, as a probe's, crowds none
-        ratio = np.hypot(*(points[j] - points[i]).T) / np.minimum(distance[i], distance[j])
+    # A distance of zero stands for a particle that always stays.
+    allowed = np.maximum(np.minimum(distance[i], distance[j]), 1e-300)
+    ratio = np.hypot(*(points[j] - points[i]).T) / allowed
     close = (ratio < 1.0) & ~(on_boundary[i] & on_boundary[j])
     i, j, ratio = i[close], j[close], ratio[close]
     closest = np.full(len(points), np.inf)

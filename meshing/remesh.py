@@ -71,6 +71,12 @@ class RemeshMap:
     area_before: float
     area_after: float
 
+    def vanished(self, count: int) -> IntArray:
+        """The old elements, of which there are ``count``, that no new one repeats."""
+        gone = np.ones(count, dtype=bool)
+        gone[self.cells[self.unchanged]] = False
+        return np.flatnonzero(gone)
+
 
 def remesh(
     mesh: Mesh,

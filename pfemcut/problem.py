@@ -80,6 +80,18 @@ class Coarsening:
     largest: float
 
 
+class ElementTransfer(Enum):
+    """What an element that a remesh changed takes from the old elements in its place.
+
+    SAMPLE: the value at its Gauss point. MEAN: the mean over its area. LINEAR: the mean over its area of values that
+    vary linearly in each old element.
+    """
+
+    SAMPLE = "sample"
+    MEAN = "mean"
+    LINEAR = "linear"
+
+
 @dataclass(frozen=True)
 class Schedule:
     """A value as a piecewise linear function of time, constant beyond its ends.
@@ -321,8 +333,8 @@ class ParticleControls:
         A particle closer than this times h to another is removed.
     coarsening
         Removal by error estimators.
-    volumetric_history
-        See the enumeration.
+    volumetric_history, transfer
+        See the enumerations.
     power_tolerance
         Plastic power of one element, as a fraction of the body's, above which it is refined (eq. 1).
     power_smallest
@@ -342,6 +354,7 @@ class ParticleControls:
     interior_removal: float
     coarsening: Coarsening
     volumetric_history: VolumetricHistory
+    transfer: ElementTransfer
     power_tolerance: float
     power_smallest: float
 

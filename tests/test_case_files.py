@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pfemcut.case.cutting import cutting_problem, size_field, starting_tool
-from pfemcut.case.load import CaseError, load_case, resolved_toml
+from pfemcut.case.load import CaseError, load_case, overridden, resolved_toml
 from pfemcut.case.schema import Case, Mesh, Section
 from pfemcut.materials.hardening.voce import Voce
 from pfemcut.problem import HeatSource, Integrator
@@ -98,6 +98,17 @@ def test_an_override_reaches_into_a_library_material(case_file: Path) -> None:
     assert isinstance(material.hardening, Voce)
     assert material.hardening.flow_stress_softening == 0.0
     assert material.hardening.yield_stress == 450.0
+
+
+def test_an_override_counts_tables_that_come_in_numbers() -> None:
+    table = {"body": [{"name": "block", "material": "voce_steel"}], "boundary": [{"part": "left"}]}
+    changed = overridden(table, "body.0.material.taylor_quinney=0.0")
+    assert changed["body"] == [
+        {"name": "block", "material": {"base": "voce_steel", "taylor_quinney": 0.0}},
+    ]
+    assert table["body"][0]["material"] == "voce_steel"
+    with pytest.raises(CaseError, match="must have a number below 1 after 'boundary'"):
+        overridden(table, "boundary.1.part=right")
 
 
 def test_a_material_file_is_sought_beside_the_case(tmp_path: Path, case_file: Path) -> None:

@@ -336,3 +336,11 @@ def test_size_field_is_the_smallest_wish_and_moves_along() -> None:
     assert field(points) == pytest.approx(expected, rel=1e-14)
     shift = np.array([0.7, -0.2])
     assert field.moved(shift)(points + shift) == pytest.approx(expected, rel=1e-13)
+
+
+def test_a_particle_without_removal_distance_stays() -> None:
+    mesh = rectangle_mesh(size=SIZE)
+    with np.errstate(all="raise"):
+        _, where = run(mesh, sizes=SizeField((), 4.0 * SIZE), removal_scale=np.zeros(len(mesh.points)))
+    on_boundary = np.isin(np.arange(len(mesh.points)), mesh.boundary.particles)
+    assert np.isin(np.flatnonzero(~on_boundary), where.kept).all()

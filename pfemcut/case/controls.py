@@ -7,6 +7,7 @@ from pfemcut.case.sections import Contact, Solver, Spacing, Time
 from pfemcut.problem import (
     Coarsening,
     ContactLaw,
+    ElementTransfer,
     ErrorEstimator,
     HeatSource,
     Integrator,
@@ -47,6 +48,7 @@ def particle_controls(
             ErrorEstimator(spacing.coarsening), spacing.coarsening_tolerance, spacing.coarsening_largest
         ),
         volumetric_history=_volumetric_history(spacing),
+        transfer=ElementTransfer(spacing.transfer),
         power_tolerance=spacing.power_tolerance,
         power_smallest=spacing.power_smallest,
     )

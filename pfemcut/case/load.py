@@ -89,7 +89,8 @@ def _material_spec(table: Mapping[str, Any]) -> tuple[Any, str]:
 def overridden(table: Mapping[str, Any], override: str) -> dict[str, Any]:
     """A copy of ``table`` with one ``section.key=value`` applied.
 
-    A key inside a material that is given by name turns the name into the ``base`` of a table.
+    A key inside a material that is given by name turns the name into the ``base`` of a table; tables that come in
+    numbers, such as ``[[body]]``, count from 0: ``body.0.name=strip``.
 
     Raises
     ------
@@ -104,8 +105,14 @@ def overridden(table: Mapping[str, Any], override: str) -> dict[str, Any]:
     def replaced(inside: Any, depth: int) -> Any:
         if depth == len(keys):
             return _value(text)
-        if isinstance(inside, str) and keys[:depth] == ["workpiece", "material"]:
+        if isinstance(inside, str) and keys[:depth] in (["workpiece", "material"], ["body", "0", "material"]):
             inside = {"base": inside}
+        if isinstance(inside, list):
+            if keys[depth] not in map(str, range(len(inside))):
+                limit = f"must have a number below {len(inside)} after '{'.'.join(keys[:depth])}'"
+                raise CaseError([f"--set: given '{override}', {limit}"])
+            at = int(keys[depth])
+            return [*inside[:at], replaced(inside[at], depth + 1), *inside[at + 1 :]]
         if not isinstance(inside, Mapping):
             raise CaseError([f"--set: given '{override}', but '{'.'.join(keys[:depth])}' is not a table"])
         return {**inside, keys[depth]: replaced(inside.get(keys[depth], {}), depth + 1)}

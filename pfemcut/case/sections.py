@@ -89,6 +89,11 @@ class Spacing(Section):
         description="Source of an element's volume ratio: the particles' pressure, the element before it, or the "
         "latter as long as the element does not change; auto takes the pressure if remesh, else the element",
     )
+    transfer: Literal["sample", "mean", "linear"] = Field(
+        default="linear",
+        description="What a changed element takes from the old ones in its place: the value at its Gauss point, or "
+        "the mean over its area of values that are constant or linear in each",
+    )
     power_tolerance: float = Field(
         default=0.004,
         gt=0,

@@ -31,12 +31,14 @@ class Where(Enum):
 class Transfer(Enum):
     """How a field passes to a new mesh.
 
-    INTERPOLATE: stays on particles, inserted ones interpolate in the old mesh. INHERIT: an element takes the value
-    of the old element that contains its Gauss point.
+    INTERPOLATE: stays on particles, inserted ones interpolate in the old mesh. INHERIT: an element that changed takes
+    its value from the old elements in its place (:class:`pfemcut.problem.ElementTransfer`); INHERIT_UNIMODULAR: so
+    does its deviator, and the determinant becomes 1.
     """
 
     INTERPOLATE = "interpolate"
     INHERIT = "inherit"
+    INHERIT_UNIMODULAR = "inherit, det = 1"
 
 
 @dataclass(frozen=True)
@@ -49,8 +51,9 @@ class Declaration:
     transfer: Transfer
 
 
-def _stored(where: Where, unit: str) -> Any:
-    transfer = Transfer.INTERPOLATE if where is Where.PARTICLE else Transfer.INHERIT
+def _stored(where: Where, unit: str, *, unimodular: bool = False) -> Any:
+    inherit = Transfer.INHERIT_UNIMODULAR if unimodular else Transfer.INHERIT
+    transfer = Transfer.INTERPOLATE if where is Where.PARTICLE else inherit
     return field(metadata={"where": where, "unit": unit, "transfer": transfer})
 
 
@@ -87,7 +90,7 @@ class Fields:
     pressure: Array = _stored(Where.PARTICLE, "MPa")
     displacement: Array = _stored(Where.PARTICLE, "mm")
     last_displacement: Array = _stored(Where.PARTICLE, "mm")
-    b_elastic: Array = _stored(Where.ELEMENT, "1")
+    b_elastic: Array = _stored(Where.ELEMENT, "1", unimodular=True)
     volume_ratio: Array = _stored(Where.ELEMENT, "1")
     eqps: Array = _stored(Where.ELEMENT, "1")
     multiplier_rate: Array = _stored(Where.ELEMENT, "1/s")

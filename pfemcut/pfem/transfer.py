@@ -9,35 +9,137 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_matrix
 
-from meshing.mesh import Mesh
+from meshing.mesh import Mesh, signed_areas
+from meshing.overlap import overlap
 from meshing.remesh import RemeshMap
+from pfemcut.materials.return_mapping import elastic_strain
 from pfemcut.pfem.mechanics import pressure_volume_ratios
-from pfemcut.pfem.state import Fields, Transfer, declarations
-from pfemcut.problem import Problem, VolumetricHistory
+from pfemcut.pfem.state import Fields, Transfer, Where, declarations
+from pfemcut.problem import ElementTransfer, Problem, VolumetricHistory
 
 Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
+_LEAST_COVER = 1e-3  # of its area that a new element must share with vanished ones to take their values
+_COLLINEAR = 1e-6  # relative determinant below which neighbours give no slope
 
-def transfer_fields(fields: Fields, old: Mesh, remesh_map: RemeshMap) -> Fields:
-    """``fields`` of the ``old`` mesh on the new one, each by its declared rule."""
-    rules = {Transfer.INTERPOLATE: _interpolate, Transfer.INHERIT: _inherit}
+
+def transfer_fields(
+    fields: Fields, old: Mesh, new: Mesh, remesh_map: RemeshMap, rule: ElementTransfer
+) -> Fields:
+    """``fields`` of the ``old`` mesh on the ``new`` one; particle and element fields each by their declared rule."""
+    on_elements = [each for each in declarations() if each.where is Where.ELEMENT]
+    values = {each.name: getattr(fields, each.name) for each in declarations()}
+    columns = np.column_stack([values[each.name] for each in on_elements])
+    carried = transfer_elements(columns, old, new, remesh_map, rule)
+    widths = np.cumsum([np.atleast_2d(values[each.name].T).shape[0] for each in on_elements])
+    pieces = np.split(carried, widths[:-1], axis=1)
     moved = {
-        each.name: rules[each.transfer](getattr(fields, each.name), old, remesh_map)
+        each.name: transfer_particles(values[each.name], old, remesh_map)
         for each in declarations()
+        if each.where is Where.PARTICLE
     }
+    for each, piece in zip(on_elements, pieces, strict=True):
+        if each.transfer is Transfer.INHERIT_UNIMODULAR:
+            piece = _unimodular(piece, ~remesh_map.unchanged)
+        moved[each.name] = np.ascontiguousarray(piece.reshape(len(new.cells), *values[each.name].shape[1:]))
     return Fields(**moved)
 
 
-def _interpolate(values: Array, old: Mesh, remesh_map: RemeshMap) -> Array:
+def transfer_elements(
+    values: Array, old: Mesh, new: Mesh, remesh_map: RemeshMap, rule: ElementTransfer
+) -> Array:
+    """Element ``values`` (m, c) of the ``old`` mesh on the ``new`` one; (k, c).
+
+    1. An unchanged element keeps its values bit for bit, and so does the integral of what the others tile.
+    2. SAMPLE: a changed element takes the values of the old element that contains its Gauss point.
+    3. MEAN: it takes the mean over the pieces that it shares with the elements that vanished, by area.
+    4. LINEAR: likewise, with values that vary linearly in each old element and have its value as their mean. The
+       slope fits the elements around (least squares) and is limited so that no piece gets a value beyond theirs.
+    """
+    carried = values[remesh_map.cells]
+    changed = np.flatnonzero(~remesh_map.unchanged)
+    vanished = remesh_map.vanished(len(old.cells))
+    if rule is ElementTransfer.SAMPLE or not len(changed) or not len(vanished):
+        return carried
+    triangles = new.points[new.cells[changed]]
+    pieces = overlap(triangles, old.points[old.cells[vanished]])
+    parts = values[vanished[pieces.old]]
+    if rule is ElementTransfer.LINEAR:
+        centroids = old.points[old.cells].mean(axis=1)
+        offset = pieces.centroid - centroids[vanished[pieces.old]]
+        parts = parts + _limited_changes(values, old.cells, centroids, vanished, pieces.old, offset)
+    cover = np.bincount(pieces.new, pieces.area, minlength=len(changed))
+    total = np.column_stack(
+        [np.bincount(pieces.new, pieces.area * part, minlength=len(changed)) for part in parts.T]
+    )
+    # What an edit of the boundary added lies outside: the rest of the element stands for it, or the nearest element.
+    covered = cover > _LEAST_COVER * signed_areas(new.points, new.cells[changed])
+    carried[changed[covered]] = total[covered] / cover[covered, None]
+    return carried
+
+
+def _limited_changes(
+    values: Array, cells: IntArray, centroids: Array, vanished: IntArray, owner: IntArray, offset: Array
+) -> Array:
+    """What the slopes add at ``offset`` (p, 2) from the centroids of the elements ``vanished[owner]``; (p, c)."""
+    i, j = _pairs_around(cells, vanished)
+    d = centroids[j] - centroids[vanished[i]]
+    rise = values[j] - values[vanished[i]]
+    weight = 1.0 / np.sum(d**2, axis=1)
+    count, columns = len(vanished), values.shape[1]
+    xx, yy, xy = (
+        np.bincount(i, weight * d[:, a] * d[:, b], minlength=count) for a, b in ((0, 0), (1, 1), (0, 1))
+    )
+    determinant = xx * yy - xy**2
+    solvable = determinant > _COLLINEAR * (xx + yy) ** 2
+    scale = np.where(solvable, 1.0 / np.where(solvable, determinant, 1.0), 0.0)
+    least, most = np.zeros((count, columns)), np.zeros((count, columns))
+    np.minimum.at(least, i, rise)
+    np.maximum.at(most, i, rise)
+    change = np.empty((len(owner), columns))
+    for column in range(columns):
+        x, y = (np.bincount(i, weight * d[:, a] * rise[:, column], minlength=count) for a in (0, 1))
+        slope = np.column_stack([(yy * x - xy * y) * scale, (xx * y - xy * x) * scale])
+        change[:, column] = np.sum(slope[owner] * offset, axis=1)
+    bound = np.where(change > 0.0, most[owner], least[owner])
+    beyond = np.abs(change) > np.abs(bound)
+    limit = np.ones((count, columns))
+    np.minimum.at(limit, owner, np.where(beyond, bound / np.where(beyond, change, 1.0), 1.0))
+    return limit[owner] * change
+
+
+def _pairs_around(cells: IntArray, centres: IntArray) -> tuple[IntArray, IntArray]:
+    """Pairs of a place in ``centres`` and another element that shares a particle with that element."""
+    shared = np.zeros(int(cells.max()) + 1, dtype=bool)
+    shared[cells[centres]] = True
+    around = np.flatnonzero(shared[cells].any(axis=1))
+    joins = csr_matrix(
+        (np.ones(3 * len(around)), (np.repeat(around, 3), cells[around].ravel())),
+        shape=(len(cells), len(shared)),
+    )
+    pairs = (joins[centres] @ joins.T).tocoo()
+    apart = centres[pairs.row] != pairs.col
+    return pairs.row[apart].astype(np.int64), pairs.col[apart].astype(np.int64)
+
+
+def _unimodular(tensors: Array, where: BoolArray) -> Array:
+    """``tensors`` (m, 4) whose spherical part restores det = 1 ``where`` elements changed: the stress is kept."""
+    restored = tensors.copy()
+    deviators = tensors[where]
+    deviators[:, :3] -= deviators[:, :3].mean(axis=1, keepdims=True)
+    restored[where] = elastic_strain(deviators, 1.0)
+    return restored
+
+
+def transfer_particles(values: Array, old: Mesh, remesh_map: RemeshMap) -> Array:
+    """Particle ``values`` (n, ...) of the ``old`` mesh: kept on particles, interpolated on inserted ones."""
     corners = values[old.cells[remesh_map.inserted_cells]]
     inserted = np.einsum("ia,ia...->i...", remesh_map.inserted_barycentric, corners)
     return np.concatenate([values[remesh_map.kept], inserted])
-
-
-def _inherit(values: Array, old: Mesh, remesh_map: RemeshMap) -> Array:
-    return values[remesh_map.cells]
 
 
 def carry_volume(problem: Problem, mesh: Mesh, fields: Fields, unchanged: BoolArray) -> Fields:
