@@ -23,7 +23,8 @@ def crowded_particles(points: Array, cells: IntArray, on_boundary: BoolArray, di
     """
     edges = unique_edges(cells)
     i, j = edges[:, 0], edges[:, 1]
-    ratio = np.hypot(*(points[j] - points[i]).T) / np.minimum(distance[i], distance[j])
+    with np.errstate(divide="ignore"):  # a zero distance keeps a particle: it is never crowded
+        ratio = np.hypot(*(points[j] - points[i]).T) / np.minimum(distance[i], distance[j])
     close = (ratio < 1.0) & ~(on_boundary[i] & on_boundary[j])
     i, j, ratio = i[close], j[close], ratio[close]
     closest = np.full(len(points), np.inf)
