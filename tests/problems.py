@@ -53,6 +53,9 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 REFERENCE_TEMPERATURE = 293.15
+FOREVER = 1e12
+"""Longer than any test lasts (s)."""
+
 SIDES = ("bottom", "right", "top", "left")
 RULES = SpacingRules(
     boundary_split=1.45,
@@ -112,7 +115,7 @@ def fixed_y(part: str) -> PrescribedMotion:
 
 def moving(part: str, axis: Axis, velocity: float) -> PrescribedMotion:
     """A part that moves with constant ``velocity`` (mm/s) from time zero."""
-    return PrescribedMotion(part, axis, Schedule((0.0, 1.0), (0.0, velocity)))
+    return PrescribedMotion(part, axis, Schedule((0.0, FOREVER), (0.0, velocity * FOREVER)))
 
 
 def hot(part: str, temperature: float) -> PrescribedTemperature:
