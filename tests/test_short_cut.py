@@ -24,7 +24,7 @@ from pfemcut.pfem.method import PfemMethod
 from pfemcut.pfem.newton import StepFailed
 from pfemcut.problem import Axis, Problem
 
-STEPS = 60
+STEPS = 70
 RANK_STEPS = 20
 RESTART = STEPS - 10
 
