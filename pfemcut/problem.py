@@ -43,11 +43,14 @@ class HeatSource(Enum):
 class VolumetricHistory(Enum):
     """Where the volume ratio J of an element comes from at the start of a step.
 
-    PRESSURE: recomputed from the particles' pressure, which forgets what the stabilisation left between them.
-    ELEMENT: the element's own, transferred from element to element. MIXED: the element's own as long as it joins the
-    same particles, else from pressure.
+    INCREMENT: recomputed from the particles' pressure, with the stabilisation on the pressure's increment, so that
+    nothing is forgotten as long as elements do not change. PRESSURE: the same with the stabilisation on the whole
+    pressure, which forgets in every step what it took (the rule of the study in the design). ELEMENT: the element's
+    own, transferred from element to element. MIXED: the element's own as long as it joins the same particles, else
+    from pressure.
     """
 
+    INCREMENT = "increment"
     PRESSURE = "pressure"
     ELEMENT = "element"
     MIXED = "mixed"

@@ -169,7 +169,7 @@ def block_problem(
             sizes=size if isinstance(size, SizeField) else SizeField((), size),
             sizes_velocity=(0.0, 0.0),
             coarsening=Coarsening(ErrorEstimator.NONE, 0.01, 3.0),
-            volumetric_history=VolumetricHistory.PRESSURE if remesh else VolumetricHistory.ELEMENT,
+            volumetric_history=VolumetricHistory.INCREMENT if remesh else VolumetricHistory.ELEMENT,
             transfer=ElementTransfer.LINEAR,
             remesh=remesh,
             insert=True,

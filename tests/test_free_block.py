@@ -110,33 +110,25 @@ def test_ledgers_of_a_plastic_block_close(remesh: bool, integrator: Integrator) 
     assert own["heat_generated"] == pytest.approx(0.9 * measured.plastic_work, rel=1e-12)
 
 
-FORGETS = (
-    "J is recomputed from the pressure each step, so the projection acts on the whole pressure each step and what "
-    "it takes from the volume is forgotten: pressure gradients creep away"
-)
-
-
-@pytest.mark.xfail(strict=True, raises=AssertionError, reason=FORGETS)
 @pytest.mark.parametrize("remesh", [False, True])
 def test_energy_of_a_block_between_sticking_plates_closes(remesh: bool) -> None:
-    """Tension with pressure gradients: energy within 0.5 %."""
+    """Tension with pressure gradients on a coarse mesh: energy within 1.2 %, and within 0.5 % but for what the
+    stabilisation took.
+    """
     method = advanced(pulled(remesh, Integrator.IMPLICIT, STICKING), 150)
-    assert abs(method.measure().energy_error) < 0.005
+    error, own = method.measure().energy_error, method.own_measures()
+    assert abs(error) < 0.012
+    assert abs(error - own["stabilisation_work"] / own["boundary_work"]) < 0.005
 
 
 @pytest.mark.parametrize("remesh", [False, True])
 def test_heat_of_a_block_between_sticking_plates_closes(remesh: bool) -> None:
     """Heat within 0.5 %, particles being inserted where it deforms most."""
     method = advanced(pulled(remesh, Integrator.IMPL_EX, STICKING), 150)
-    own = method.own_measures()
-    print(
-        "HEAT", own["heat_error"], method.current.ledger.inserted, own["heat_remeshing"] / own["heat_content"]
-    )
     assert (method.current.ledger.inserted > 0) == remesh
     assert abs(method.own_measures()["heat_error"]) < 0.005
 
 
-@pytest.mark.xfail(strict=True, raises=AssertionError, reason=FORGETS)
 def test_held_elastic_block_keeps_its_stress() -> None:
     """Squeezed by 1 % between sticking plates in ten steps, then held for 30: pressures as they were, to 1 %."""
     squeeze = block_problem(motions=(*STICKING, moving("top", Axis.Y, -100.0)), size=0.2, steps=100)
@@ -150,7 +142,7 @@ def test_held_elastic_block_keeps_its_stress() -> None:
 
 
 def test_elastic_stretch_stores_its_work() -> None:
-    """Backward Euler's rectangle counts 1 / (steps + 1) of a linear force's work too much (1 % of it), no more."""
+    """The work of a linear force is exact by the trapezoidal rule: 0.2 %, the second order of the strain."""
     for steps in (10, 20):
         problem = block_problem(
             motions=(*ROLLERS, moving("top", Axis.Y, 1e-3 / (steps * 1e-5))), steps=steps, remesh=False
@@ -158,7 +150,7 @@ def test_elastic_stretch_stores_its_work() -> None:
         method = advanced(problem, steps)
         assert method.measure().plastic_work == 0.0
         assert method.own_measures()["boundary_work"] > 0.0
-        assert abs(method.measure().energy_error) < 1.01 / (steps + 1)
+        assert abs(method.measure().energy_error) < 2e-3
 
 
 def thrown(

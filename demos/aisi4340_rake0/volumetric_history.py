@@ -1,4 +1,4 @@
-"""Where an element's volume ratio comes from at the start of a step: the three rules side by side.
+"""Where an element's volume ratio comes from at the start of a step: the rules side by side.
 
     python demos/aisi4340_rake0/volumetric_history.py [-o DIR] [--resume | --overwrite] [--travel MM] [--only NAME]
 
@@ -13,8 +13,8 @@ from typing import Any
 
 from pfemcut.validation.study import Outcome, Study, Variant, finite, main, write_table
 
-RULES = ("pressure", "element", "mixed")
-DEFAULT = "pressure"
+RULES = ("increment", "pressure", "element", "mixed")
+DEFAULT = "increment"
 LIMIT = 0.03
 
 

@@ -56,7 +56,7 @@ def particle_controls(
 
 def _volumetric_history(spacing: Spacing) -> VolumetricHistory:
     if spacing.volumetric_history == "auto":
-        return VolumetricHistory.PRESSURE if spacing.remesh else VolumetricHistory.ELEMENT
+        return VolumetricHistory.INCREMENT if spacing.remesh else VolumetricHistory.ELEMENT
     return VolumetricHistory(spacing.volumetric_history)
 
 

@@ -84,10 +84,11 @@ class Spacing(Section):
     coarsening_largest: float = Field(
         default=3.0, ge=1, le=20, description="Largest spacing by the estimator, relative to h"
     )
-    volumetric_history: Literal["auto", "pressure", "element", "mixed"] = Field(
+    volumetric_history: Literal["auto", "increment", "pressure", "element", "mixed"] = Field(
         default="auto",
-        description="Source of an element's volume ratio: the particles' pressure, the element before it, or the "
-        "latter as long as the element does not change; auto takes the pressure if remesh, else the element",
+        description="Source of an element's volume ratio: the particles' pressure, with the stabilisation on its "
+        "increment or on the whole, the element before it, or the latter as long as the element does not change; "
+        "auto takes the increment if remesh, else the element",
     )
     transfer: Literal["sample", "mean", "linear"] = Field(
         default="linear",

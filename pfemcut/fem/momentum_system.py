@@ -93,6 +93,8 @@ class MomentumSystem:
         Shear modulus, bulk modulus (MPa) and stabilisation factor.
     thermal_strain
         3 alpha (theta - theta_0) on particles; shape (n,).
+    settled_pressure
+        What the stabilisation leaves out of the pressure (MPa); shape (n,).
     watch
         Times set-up, assembly and linear solves.
     """
@@ -104,11 +106,12 @@ class MomentumSystem:
         fixed: BoolArray,
         moduli: tuple[float, float, float],
         thermal_strain: Array,
+        settled_pressure: Array,
         watch: Stopwatch,
     ):
         self._watch = watch
         with watch.phase("system"):
-            self._set_up(kernels, mesh, fixed, moduli, thermal_strain)
+            self._set_up(kernels, mesh, fixed, moduli, thermal_strain, settled_pressure)
 
     def _set_up(
         self,
@@ -117,6 +120,7 @@ class MomentumSystem:
         fixed: BoolArray,
         moduli: tuple[float, float, float],
         thermal_strain: Array,
+        settled_pressure: Array,
     ) -> None:
         symbols = kernels.symbols
         self._count = len(fixed)
@@ -130,6 +134,7 @@ class MomentumSystem:
             symbols.unknown: self._unknown,
             symbols.element: self._element,
             symbols.thermal_strain: scalar.function(thermal_strain),
+            symbols.settled_pressure: scalar.function(settled_pressure),
         }
         constants = {
             symbol: runtime.new_constant(value)

@@ -24,7 +24,7 @@ class HeatSymbols:
     @staticmethod
     def on(domain: ufl.Mesh) -> HeatSymbols:
         """New symbols on the symbolic mesh ``domain``."""
-        return HeatSymbols(ufl.Coefficient(ufl.FunctionSpace(domain, runtime.cell_element(2))))
+        return HeatSymbols(ufl.Coefficient(ufl.FunctionSpace(domain, runtime.cell_element(2)), count=0))
 
 
 def heat_forms(domain: ufl.Mesh, symbols: HeatSymbols) -> ufl.Form:

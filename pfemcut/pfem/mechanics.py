@@ -31,7 +31,7 @@ from pfemcut.pfem.kinematics import (
 from pfemcut.pfem.loads import load_forces, part_particles
 from pfemcut.pfem.newton import Linearisation, solve_momentum
 from pfemcut.pfem.state import Fields
-from pfemcut.problem import Integrator, Problem
+from pfemcut.problem import Integrator, Problem, VolumetricHistory
 from pfemcut.timing import Stopwatch
 
 Array = NDArray[np.float64]
@@ -231,8 +231,10 @@ def solve_motion(
     )
     moduli = (material.shear_modulus, material.bulk_modulus, problem.stabilisation)
     strain = thermal_strain(material, fields.temperature)
+    incremental = problem.particles.volumetric_history is VolumetricHistory.INCREMENT
+    settled = fields.pressure if incremental else np.zeros(count)
     size = np.sqrt(lumped(areas, cells, count))
-    with MomentumSystem(kernels, distributed, fixed, moduli, strain, watch) as system:
+    with MomentumSystem(kernels, distributed, fixed, moduli, strain, settled, watch) as system:
         solution = solve_momentum(
             system,
             linearise,

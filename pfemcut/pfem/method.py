@@ -135,6 +135,7 @@ class PfemMethod:
             "contact_energy": ledger.contact,
             "remeshing_energy": ledger.remeshing,
             "boundary_work": ledger.boundary_work,
+            "stabilisation_work": ledger.stabilisation,
             "heat_content": content,
             "heat_generated": ledger.heat_generated,
             "heat_supplied": ledger.heat_supplied,

@@ -4,10 +4,13 @@ Updated Lagrangian on the configuration x_n, plane strain, linear displacement i
 one Gauss point a triangle. With f = 1 + grad u, f_33 = 1, j = det f and J = j J_n:
 
     R_u = int  (j p 1 + s / J_n) : grad(v) f^-1  dV_n
-    R_p = int  q [ln J / J - e (1 - ln J) / J^2 - p / kappa] j  dV_n - alpha_s / mu int (q - q~)(p - p~) dV_n
+    R_p = int  q [ln J / J - e (1 - ln J) / J^2 - p / kappa] j  dV_n - alpha_s / mu int (q - q~)(P - P~) dV_n
 
 where e = 3 alpha (theta - theta_0), tildes are element means, and the pressure equation corrects eq. 4 of the
-paper: its stabilisation has the sign of -p/kappa and no stray factor. The Kirchhoff stress deviator is the radial
+paper: its stabilisation has the sign of -p/kappa and no stray factor. The stabilised P is the pressure (as in the
+paper) where J is carried by elements, and its increment p - p_n where J_n is recomputed from p_n: there the whole
+pressure would be stabilised anew in every step, and the volume that this takes forgotten, so that pressure gradients
+would creep away step by step. The Kirchhoff stress deviator is the radial
 return s = s_trial (1 - 2 mu_bar dl / |s_trial|) with
 
     dl(u) = dl_k + H (|s_trial(u)| - |s_trial|_k) + G (mu_bar(u) - mu_bar_k)
@@ -33,10 +36,11 @@ _TINY = 1e-20  # keeps the norm of a vanishing stress deviator differentiable
 
 @dataclass(frozen=True)
 class MomentumSymbols:
-    """Symbols of the form: unknown (u_x, u_y, p), thermal strain e, element data, and material constants."""
+    """Symbols of the form: unknown (u_x, u_y, p), thermal strain e, p - P, element data, and material constants."""
 
     unknown: ufl.Coefficient
     thermal_strain: ufl.Coefficient
+    settled_pressure: ufl.Coefficient
     element: ufl.Coefficient
     shear_modulus: ufl.Constant
     bulk_modulus: ufl.Constant
@@ -44,14 +48,27 @@ class MomentumSymbols:
 
     @staticmethod
     def on(domain: ufl.Mesh) -> MomentumSymbols:
-        """New symbols on the symbolic mesh ``domain``."""
+        """New symbols on the symbolic mesh ``domain``.
+
+        They are numbered here: ffcx 0.5 takes names from the numbers and can't compile those of two digits, which
+        ufl's own count reaches when symbols are made again.
+        """
+        mixed, scalar, element = (
+            ufl.FunctionSpace(domain, kind)
+            for kind in (
+                runtime.nodal_element(3),
+                runtime.nodal_element(1),
+                runtime.cell_element(ELEMENT_COMPONENTS),
+            )
+        )
         return MomentumSymbols(
-            ufl.Coefficient(ufl.FunctionSpace(domain, runtime.nodal_element(3))),
-            ufl.Coefficient(ufl.FunctionSpace(domain, runtime.nodal_element(1))),
-            ufl.Coefficient(ufl.FunctionSpace(domain, runtime.cell_element(ELEMENT_COMPONENTS))),
-            ufl.Constant(domain),
-            ufl.Constant(domain),
-            ufl.Constant(domain),
+            ufl.Coefficient(mixed, count=0),
+            ufl.Coefficient(scalar, count=1),
+            ufl.Coefficient(scalar, count=2),
+            ufl.Coefficient(element, count=3),
+            ufl.Constant(domain, count=0),
+            ufl.Constant(domain, count=1),
+            ufl.Constant(domain, count=2),
         )
 
 
@@ -81,7 +98,7 @@ def momentum_forms(domain: ufl.Mesh, symbols: MomentumSymbols) -> tuple[Forms, F
     one_point = ufl.Measure("dx", domain=domain, metadata={"quadrature_degree": 1})
     exact = ufl.Measure("dx", domain=domain, metadata={"quadrature_degree": 2})
     # Exact minus one-point mass is the projection onto what the element mean leaves out.
-    projection = symbols.stabilisation / mu * q * p
+    projection = symbols.stabilisation / mu * q * (p - symbols.settled_pressure)
     balance = ufl.inner(stress, ufl.grad(v) * ufl.inv(f)) * one_point
     balance += (q * (dilation - p / kappa) * j + projection) * one_point
     residuals = (balance, -projection * exact)

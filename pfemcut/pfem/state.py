@@ -174,6 +174,7 @@ class Ledger:
     remeshing: float = 0.0
     contact: float = 0.0
     boundary_work: float = 0.0
+    stabilisation: float = 0.0
     heat_generated: float = 0.0
     heat_supplied: float = 0.0
     heat_remeshing: float = 0.0
