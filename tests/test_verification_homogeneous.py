@@ -21,7 +21,9 @@ def test_the_block_follows_the_one_point_integration(name: str, adiabatic: bool)
 
 @pytest.mark.parametrize("integrator", ["implicit", "impl-ex"])
 def test_a_superposed_rotation_changes_nothing(integrator: str) -> None:
-    differences = verify.objectivity(integrator, 20)
+    differences = verify.objectivity(integrator, 30)
+    # A halved step would go through a point of the boundary's path that is no rotation.
+    assert differences["step_cuts"] == 0
     assert differences["largest_eqps"] > 0.4
     assert differences["position_mm"] < 1e-9
     assert differences["stress_MPa"] < 1e-4

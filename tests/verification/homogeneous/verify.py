@@ -134,6 +134,9 @@ def objectivity(integrator: str = "implicit", steps: int = 50) -> dict[str, floa
         "stress_MPa": float(np.abs(back - stress).max()),
         "eqps": float(np.abs(a.cell_fields[eqps] - b.cell_fields[eqps]).max()),
         "temperature_K": float(np.abs(a.point_fields["temperature"] - b.point_fields["temperature"]).max()),
+        "step_cuts": float(turned.history["step_cuts"][-1]),
+        "newton_per_step_still": still.newton,
+        "newton_per_step_turned": turned.newton,
         "largest_eqps": float(a.cell_fields[eqps].max()),
         "largest_stress_MPa": float(np.abs(stress).max()),
     }
