@@ -187,9 +187,7 @@ def _particle_step(
         except BoundaryCrossing as crossing:
             raise CutEnded(f"{problem.body.name} touches itself: {crossing}") from crossing
     with watch.phase("transfer"):
-        fields = transfer_fields(
-            state.fields, state.mesh, mesh, remesh_map, problem.particles.transfer
-        )
+        fields = transfer_fields(state.fields, state.mesh, mesh, remesh_map, problem.particles.transfer)
         fields = carry_volume(problem, mesh, fields, remesh_map.unchanged)
     return mesh, fields, (remesh_map,)
 
