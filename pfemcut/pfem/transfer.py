@@ -6,6 +6,7 @@ Nothing passes through nodal averages, so elements that did not change keep thei
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,9 +98,8 @@ def _limited_changes(
     determinant = xx * yy - xy**2
     solvable = determinant > _COLLINEAR * (xx + yy) ** 2
     scale = np.where(solvable, 1.0 / np.where(solvable, determinant, 1.0), 0.0)
-    least, most = np.zeros((count, columns)), np.zeros((count, columns))
-    np.minimum.at(least, i, rise)
-    np.maximum.at(most, i, rise)
+    least = _grouped(np.minimum, np.zeros((count, columns)), i, rise)
+    most = _grouped(np.maximum, np.zeros((count, columns)), i, rise)
     change = np.empty((len(owner), columns))
     for column in range(columns):
         x, y = (np.bincount(i, weight * d[:, a] * rise[:, column], minlength=count) for a in (0, 1))
@@ -107,9 +107,20 @@ def _limited_changes(
         change[:, column] = np.sum(slope[owner] * offset, axis=1)
     bound = np.where(change > 0.0, most[owner], least[owner])
     beyond = np.abs(change) > np.abs(bound)
-    limit = np.ones((count, columns))
-    np.minimum.at(limit, owner, np.where(beyond, bound / np.where(beyond, change, 1.0), 1.0))
-    return limit[owner] * change
+    allowed = np.where(beyond, bound / np.where(beyond, change, 1.0), 1.0)
+    return _grouped(np.minimum, np.ones((count, columns)), owner, allowed)[owner] * change
+
+
+def _grouped(operation: Any, start: Array, groups: IntArray, values: Array) -> Array:
+    """``start`` (n, c) with the ``values`` (k, c) of each of the ``groups`` (k,) taken in; faster than ``ufunc.at``."""
+    if not len(groups):
+        return start
+    order = np.argsort(groups, kind="stable")
+    first = np.flatnonzero(np.diff(groups[order], prepend=-1))
+    rows = groups[order[first]]
+    reduced = start.copy()
+    reduced[rows] = operation(start[rows], operation.reduceat(values[order], first, axis=0))
+    return reduced
 
 
 def _pairs_around(cells: IntArray, centres: IntArray) -> tuple[IntArray, IntArray]:

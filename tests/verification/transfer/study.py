@@ -150,6 +150,14 @@ def remeshed(mesh: Mesh, size: float, rules: SpacingRules = RULES) -> tuple[Mesh
     )
 
 
+def irregular_mesh(outline: Array, size: float, rules: SpacingRules = RULES) -> Mesh:
+    """A mesh whose particles are shaken: those of a lattice would change their triangles all at once, or never."""
+    mesh = outline_mesh(outline, SizeField((), size), np.zeros(len(outline), dtype=np.int64))
+    shift = 0.2 * size * np.random.default_rng(1).uniform(-1.0, 1.0, mesh.points.shape)
+    shift[mesh.boundary.particles] = 0.0
+    return remeshed(replace(mesh, points=mesh.points + shift), size, rules)[0]
+
+
 def heat(mesh: Mesh, temperature: Array) -> float:
     """Integral of a particle field with lumped weights."""
     return float(np.sum(signed_areas(mesh.points, mesh.cells) * temperature[mesh.cells].mean(axis=1)))
@@ -164,8 +172,7 @@ def advected(
     ``integral_error`` (accumulated), ``l2_jump`` and ``l2_error`` (against exact element means, of their norm),
     ``peak`` (largest value; ``exact_peak`` beside it), ``ms`` a transfer. Particles: ``heat_jump``, ``heat_error``.
     """
-    mesh = outline_mesh(flow.outline, SizeField((), size), np.zeros(len(flow.outline), dtype=np.int64))
-    mesh, _ = remeshed(mesh, size, rules)
+    mesh = irregular_mesh(flow.outline, size, rules)
     exact = element_exact(mesh, flow, 0.0)
     fields = {name: exact[:, None] for name in names}
     temperature = bump(mesh.points, flow.centre)
