@@ -1,8 +1,8 @@
-"""Runs every published case and study (`make validate`), a few at a time, and fills in the README's table.
+"""Runs every published case, study and verification problem (`make validate`), a few at a time, and fills in the README's table.
 
     python scripts/validate.py [-j 2] [--overwrite] [NAME ...]
 
-Each script of demos/*/ runs in its own process with one BLAS thread and --resume, so what is finished costs seconds
+Each script of demos/*/, and tests/verification/*/verify.py, runs in its own process with one BLAS thread and --resume, so what is finished costs seconds
 and what was interrupted goes on. Logs are in out/validate. NAME is part of a script's path (softening, rake6/run).
 The status is 1 if a script failed or missed its target.
 """
@@ -60,8 +60,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def chosen(names: Sequence[str]) -> list[Path]:
-    """Scripts of the demos whose path has one of ``names`` in it; all without names; the longest first."""
-    scripts = sorted((ROOT / "demos").glob("*/*.py"))
+    """Scripts of the demos and of the verification whose path has one of ``names`` in it; all without names; the longest first."""
+    scripts = [
+        *sorted((ROOT / "demos").glob("*/*.py")),
+        *sorted((ROOT / "tests" / "verification").glob("*/verify.py")),
+    ]
     scripts = [script for script in scripts if not names or any(name in str(script) for name in names)]
     return sorted(scripts, key=lambda script: not any(name in str(script) for name in LONGEST_FIRST))
 
@@ -74,7 +77,7 @@ def run(script: Path, how: str, running: list[subprocess.Popen[bytes]]) -> int:
     print(f"{name}: started, log in {log.relative_to(ROOT)}", flush=True)
     with log.open("ab") as file:
         process = subprocess.Popen(
-            [sys.executable, str(script), how],
+            command(script, how),
             cwd=ROOT,
             env={**os.environ, "OMP_NUM_THREADS": "1"},
             stdin=subprocess.DEVNULL,
@@ -90,6 +93,14 @@ def run(script: Path, how: str, running: list[subprocess.Popen[bytes]]) -> int:
     )
     print(f"{name}: {verdict} after {(time.monotonic() - begun) / 60.0:.1f} min", flush=True)
     return int(status != 0)
+
+
+def command(script: Path, how: str) -> list[str]:
+    """How to start a script; those of the verification are modules, minutes long, and always run whole."""
+    inside = script.relative_to(ROOT)
+    if inside.parts[0] == "tests":
+        return [sys.executable, "-m", ".".join(inside.with_suffix("").parts)]
+    return [sys.executable, str(script), how]
 
 
 if __name__ == "__main__":
