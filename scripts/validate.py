@@ -1,10 +1,11 @@
-"""Runs every published case, study and verification problem (`make validate`), a few at a time, and fills in the README's table.
+"""Runs published cases, studies and verification (`make validate`), a few at a time, and fills in the README's table.
 
     python scripts/validate.py [-j 2] [--overwrite] [NAME ...]
 
-Each script of demos/*/, and tests/verification/*/verify.py, runs in its own process with one BLAS thread and --resume, so what is finished costs seconds
-and what was interrupted goes on. Logs are in out/validate. NAME is part of a script's path (softening, rake6/run).
-The status is 1 if a script failed or missed its target.
+Each script of demos/*/, and tests/verification/*/verify.py, runs in its own process with one BLAS thread. Those of the
+demos run with --resume, so what is finished costs seconds and what was interrupted goes on. Logs are in out/validate.
+NAME is part of a script's path (softening, rake6/run, necking). The status is 1 if a script failed or missed its
+target.
 """
 
 from __future__ import annotations
@@ -60,7 +61,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def chosen(names: Sequence[str]) -> list[Path]:
-    """Scripts of the demos and of the verification whose path has one of ``names`` in it; all without names; the longest first."""
+    """Scripts whose path has one of ``names`` in it, all without names; the longest first."""
     scripts = [
         *sorted((ROOT / "demos").glob("*/*.py")),
         *sorted((ROOT / "tests" / "verification").glob("*/verify.py")),

@@ -144,6 +144,7 @@ def remeshed(mesh: Mesh, size: float, rules: SpacingRules = RULES) -> tuple[Mesh
         rules,
         refine_score=np.zeros(len(mesh.cells)),
         removal_scale=np.ones(len(mesh.points)),
+        coarsening=np.ones(len(mesh.points)),
         locked=np.zeros(len(mesh.points), dtype=bool),
         free=free,
         place_boundary=lambda a, b: 0.5 * (a + b),
