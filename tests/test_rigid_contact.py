@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from problems import Array
 
 from pfemcut.contact.friction import regularised_coulomb
-from pfemcut.contact.penalty import ContactForces, contact_forces
+from pfemcut.contact.penalty import ContactForces, contact_forces, facing_lengths
 from pfemcut.problem import ContactLaw, MovingTool
 from pfemcut.tools.rigid_wedge import RigidWedge
 
@@ -234,3 +234,11 @@ def test_normal_force_is_the_gradient_of_the_stored_energy() -> None:
     gradient = np.column_stack([(energy(d) - energy(-d)) / (2.0 * h) for d in h * np.eye(2)])
     forces = contact_forces(tool, law(0.0), positions, 0.0 * positions, lengths, STEP).forces
     assert np.allclose(forces, -gradient, rtol=1e-4, atol=1e-4 * np.abs(forces).max())
+
+
+def test_only_what_faces_the_tool_counts() -> None:
+    # A square under a flat face: its corners count half the top edge, and nothing of the sides.
+    tool = RigidWedge((-1.0, 2.0), 0.0, 0.0, 1.0)
+    square = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.5, 1.0), (0.0, 1.0)])
+    edges = np.column_stack([np.arange(5), np.roll(np.arange(5), -1)])
+    assert facing_lengths(tool, square, edges) == pytest.approx([0.0, 0.0, 0.25, 0.5, 0.25])

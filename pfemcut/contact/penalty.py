@@ -114,5 +114,30 @@ def contact_forces(
     )
 
 
+def facing_lengths(tool: RigidWedge, points: Array, edges: IntArray) -> Array:
+    """Tributary boundary length (mm) of each particle that faces the tool; shape (n,).
+
+    Half of each boundary edge at the particle, projected on the tool's tangent there, if the body lies on the far side
+    of it. So the edge behind a corner, which the tool does not touch, does not stiffen the contact of the corner.
+
+    Parameters
+    ----------
+    tool
+        The tool.
+    points
+        Particle positions (mm); shape (n, 2).
+    edges
+        Boundary edges with the body on their left; shape (b, 2).
+    """
+    along = points[edges[:, 1]] - points[edges[:, 0]]
+    outward = np.column_stack([along[:, 1], -along[:, 0]])  # times the edge's length
+    lengths = np.zeros(len(points))
+    for ends in edges.T:
+        normal = tool.closest(points[ends]).normal
+        half = 0.5 * np.maximum(-np.sum(outward * normal, axis=1), 0.0)
+        lengths += np.bincount(ends, half, minlength=len(points))
+    return lengths
+
+
 def _outer(a: Array, b: Array) -> Array:
     return a[:, :, None] * b[:, None, :]

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshing.mesh import Mesh, signed_areas
-from pfemcut.contact.penalty import contact_forces
+from pfemcut.contact.penalty import contact_forces, facing_lengths
 from pfemcut.materials.return_mapping import deviatoric_energy
-from pfemcut.pfem.kinematics import element_mean, lumped, tributary_lengths
+from pfemcut.pfem.kinematics import element_mean, lumped
 from pfemcut.pfem.state import Fields
 from pfemcut.problem import Problem
 
@@ -67,13 +67,12 @@ def kinetic_energy(problem: Problem, mesh: Mesh, fields: Fields, step: float) ->
 def contact_energy(problem: Problem, mesh: Mesh, time: float) -> float:
     """Energy stored in the penalty springs (mJ/mm)."""
     particles = np.unique(mesh.boundary.particles)
-    lengths = tributary_lengths(mesh.points, mesh.boundary.edges, len(mesh.points))[particles]
     positions = mesh.points[particles]
-    return sum(
-        float(
-            contact_forces(
-                tool.at(time), problem.contact, positions, np.zeros_like(positions), lengths, 1.0
-            ).energy.sum()
-        )
-        for tool in problem.tool
-    )
+    total = 0.0
+    for tool in problem.tool:
+        shape = tool.at(time)
+        lengths = facing_lengths(shape, mesh.points, mesh.boundary.edges)[particles]
+        still = np.zeros_like(positions)
+        found = contact_forces(shape, problem.contact, positions, still, lengths, 1.0)
+        total += float(found.energy.sum())
+    return total

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshing.mesh import Mesh, signed_areas
-from pfemcut.contact.penalty import ContactForces, contact_forces
+from pfemcut.contact.penalty import ContactForces, contact_forces, facing_lengths
 from pfemcut.fem.distribution import DistributedMesh
 from pfemcut.fem.momentum_system import MomentumKernels, MomentumSystem, NodalForces
 from pfemcut.materials.material import Material
@@ -27,7 +27,6 @@ from pfemcut.pfem.kinematics import (
     element_mean,
     lumped,
     shape_gradients,
-    tributary_lengths,
 )
 from pfemcut.pfem.loads import load_forces, part_particles
 from pfemcut.pfem.newton import Linearisation, solve_momentum
@@ -160,8 +159,11 @@ def solve_motion(
     ratio = fields.volume_ratio
     temperature = element_mean(fields.temperature, cells)
     candidates = np.unique(mesh.boundary.particles)
-    lengths = tributary_lengths(mesh.points, mesh.boundary.edges, count)[candidates]
-    tools = tuple((tool, tool.at(start_time + step)) for tool in problem.tool)
+    shapes = tuple(tool.at(start_time + step) for tool in problem.tool)
+    tools = tuple(
+        (tool, shape, facing_lengths(shape, mesh.points, mesh.boundary.edges)[candidates])
+        for tool, shape in zip(problem.tool, shapes, strict=True)
+    )
     # Lumped mass of the backward-Euler inertia term m (u / dt - v) / dt; zero in a quasi-static run.
     mass = lumped(areas * material.density / ratio, cells, count) * float(problem.time.inertia)
     velocity = fields.last_displacement / last_step
@@ -192,7 +194,7 @@ def solve_motion(
                     step,
                 ),
             )
-            for tool, shape in tools
+            for tool, shape, lengths in tools
         )
 
     def linearise(unknown: Array) -> Linearisation:

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from meshing.initial import outline_mesh
 from meshing.mesh import Mesh
-from pfemcut.contact.penalty import ContactForces, contact_forces
+from pfemcut.contact.penalty import ContactForces, contact_forces, facing_lengths
 from pfemcut.materials.return_mapping import tensor_norm
 from pfemcut.method import ContactView, Frame, Measures
 from pfemcut.pfem import energies
-from pfemcut.pfem.kinematics import element_mean, tributary_lengths
+from pfemcut.pfem.kinematics import element_mean
 from pfemcut.pfem.mechanics import thermal_strain
 from pfemcut.pfem.state import Clock, Ledger, State, from_arrays, initial_fields, to_arrays
 from pfemcut.pfem.step import PHASES, Kernels, StepRecord, advance
@@ -228,9 +228,9 @@ class PfemMethod:
         problem, state = self._problem, self._state
         mesh = state.mesh
         particles = np.unique(mesh.boundary.particles)
-        lengths = tributary_lengths(mesh.points, mesh.boundary.edges, len(mesh.points))[particles]
         for tool in problem.tool:
             shape = tool.at(state.clock.time)
+            lengths = facing_lengths(shape, mesh.points, mesh.boundary.edges)[particles]
             slip = state.fields.last_displacement[particles] - state.clock.last_dt * np.asarray(tool.velocity)
             found: ContactForces = contact_forces(
                 shape, problem.contact, mesh.points[particles], slip, lengths, state.clock.last_dt
