@@ -1,0 +1,157 @@
+"""Sliding at cutting speed, sticking under a drag, driven beyond it, and coasting to a stop."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+FOLDER = Path(__file__).resolve().parent
+sys.path.insert(0, str(FOLDER.parents[1]))
+
+from verification.common_C import Array, Run, run, save_picture, write_results  # noqa: E402
+from verification.sliding_block.reference import coasting_speed, creep_speed  # noqa: E402
+
+from meshing.mesh import signed_areas  # noqa: E402
+from pfemcut.pfem.kinematics import lumped  # noqa: E402
+
+PRESSURE, FRICTION, LENGTH, HEIGHT, SPEED, V_REF = 100.0, 0.3, 1.0, 0.2, 3330.0, 1.0
+LIMIT = FRICTION * PRESSURE * LENGTH
+MASS = 7.844e-9 * LENGTH * HEIGHT
+# With inertia: so light a pressure that the block stops in many transits of sound, and comes on slowly enough.
+LIGHT = 0.1
+STOP = MASS * SPEED / (LIGHT * LIMIT)
+RAMP = 0.3 * STOP
+
+
+def sliding(size: float = 0.1, remesh: bool = True) -> Run:
+    """The case as it is: the bottom moves at cutting speed."""
+    return run(FOLDER / "case.toml", lambda table: table["mesh"].update(size=size, remesh=remesh))
+
+
+def dragged(ratio: float, step: float = 1e-3, steps: int = 10, size: float = 0.1) -> Run:
+    """Quasi-static, dragged by ``ratio`` of the friction limit."""
+
+    def change(table: dict[str, Any]) -> None:
+        pull = {"time": [step, 2.0 * step], "value": [0.0, ratio * LIMIT / LENGTH]}
+        table["boundary"][0] = {"part": "bottom", "pressure": PRESSURE, "traction": {"x": pull}}
+        # Without inertia nothing but friction holds the block, so that there must be contact from the start.
+        table["tool"]["centre"] = [-0.5, 0.3 - 1e-6]
+        table["mesh"].update(size=size, remesh=False)
+        table["time"].update(step=step, end=step * steps)
+        table["probe"] = [{"name": "block", "point": [0.5, 0.1]}]
+
+    return run(FOLDER / "case.toml", change)
+
+
+def free(start: float, ratio: float, steps: int, end: float, size: float = 0.1) -> Run:
+    """With inertia, from the speed ``start`` (mm/s), driven by ``ratio`` of the friction limit."""
+
+    def ramp(value: float) -> dict[str, list[float]]:
+        return {"time": [0.0, RAMP], "value": [0.0, LIGHT * value]}
+
+    def change(table: dict[str, Any]) -> None:
+        table["body"][0]["velocity"] = [start, 0.0]
+        table["boundary"][0] = {"part": "bottom", "pressure": ramp(PRESSURE)}
+        table["boundary"][0]["traction"] = {"x": ramp(ratio * LIMIT / LENGTH)}
+        table["mesh"].update(size=size, remesh=False)
+        table["time"].update(step=STOP / steps, end=end, inertia=True)
+
+    def each_step(row: dict[str, Any]) -> None:
+        state = row["method"].current
+        mesh, fields = state.mesh, state.fields
+        weights = lumped(signed_areas(mesh.points, mesh.cells), mesh.cells, len(mesh.points))
+        row["travelled"] = float(weights @ fields.displacement[:, 0] / weights.sum())
+        row["speed"] = float(weights @ fields.last_displacement[:, 0] / weights.sum() / state.clock.last_dt)
+
+    return run(FOLDER / "case.toml", change, each_step)
+
+
+def rigid_speed(time: Array, start: float, ratio: float) -> Array:
+    """Speed (mm/s) of the rigid block with the ramped loads (V_ref is small against the speeds)."""
+    impulse = LIGHT * LIMIT * np.where(time < RAMP, 0.5 * time**2 / RAMP, time - 0.5 * RAMP)
+    if ratio > 1.0:
+        return start + (ratio - 1.0) * impulse / MASS
+    return coasting_speed(impulse / (LIGHT * LIMIT), start, LIGHT * LIMIT / MASS, V_REF)
+
+
+def main() -> None:
+    """All runs, the table and the picture."""
+    rows: list[dict[str, Any]] = []
+
+    def add(case: str, what: str, size: float, computed: float, reference: float, unit: str) -> None:
+        difference = computed / reference - 1.0
+        rows.append(
+            {"case": case, "quantity": what, "size": size, "computed": computed, "reference": reference}
+            | {"unit": unit, "difference": difference}
+        )
+
+    for size in (0.2, 0.1, 0.05):
+        history = sliding(size).history
+        time = history["time"]
+        add("slides", "friction force", size, history["cutting_force"][-1], LIMIT, "N/mm")
+        add("slides", "normal force", size, history["thrust_force"][-1], PRESSURE * LENGTH, "N/mm")
+        add("slides", "friction work", size, history["friction_work"][-1], LIMIT * SPEED * time[-1], "mJ/mm")
+        # Before it slides the block is sheared elastically, which takes friction work from the first steps.
+        half = len(time) // 2
+        late = LIMIT * SPEED * (time[-1] - time[half])
+        for what, name, share in (
+            ("friction work, second half", "friction_work", 1.0),
+            ("heat generated in block, second half", "heat_generated", 0.5),
+            ("heat content of block, second half", "heat_content", 0.5),
+        ):
+            add("slides", what, size, history[name][-1] - history[name][half], share * late, "mJ/mm")
+    for ratio in (0.1, 0.5, 0.9, 0.99):
+        history = dragged(ratio).history
+        speed = np.diff(history["block_ux"][-2:])[0] / history["dt"][-1]
+        add(f"sticks at {ratio:g} mu N", "creep", 0.1, speed, creep_speed(ratio, V_REF), "mm/s")
+        add(
+            f"sticks at {ratio:g} mu N",
+            "friction force",
+            0.1,
+            history["cutting_force"][-1],
+            ratio * LIMIT,
+            "N/mm",
+        )
+    end = 1.3 * STOP
+    time = np.linspace(0.0, end, 200001)
+    path = float(np.mean(rigid_speed(time, SPEED, 0.0)) * end)
+    coasts = []
+    for parts in (50, 100, 200):
+        result = free(SPEED, 0.0, parts, end)
+        coasts.append(result)
+        history = result.history
+        case = f"coasts, {parts} steps"
+        add(case, "stopping distance", 0.1, history["travelled"][-1], path, "mm")
+        add(case, "friction work", 0.1, history["friction_work"][-1], 0.5 * MASS * SPEED**2, "mJ/mm")
+    pushed = free(0.0, 1.5, 100, end).history
+    reference = float(rigid_speed(np.array([end]), 0.0, 1.5)[0])
+    add("driven at 1.5 mu N", "speed", 0.1, pushed["speed"][-1], reference, "mm/s")
+    figures = {f"{row['case']}, {row['quantity']}, {row['size']}": row["difference"] for row in rows}
+    write_results(FOLDER, rows, {"differences": figures})
+    picture(coasts)
+
+
+def picture(coasts: list[Run]) -> None:
+    """Speed while it coasts to a stop, and the force of friction."""
+    import matplotlib.pyplot as plt
+
+    figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.2), layout="constrained")
+    time = np.linspace(0.0, 1.3 * STOP, 400)
+    left.plot(time * 1e6, rigid_speed(time, SPEED, 0.0), "k-", lw=0.8, label="rigid block")
+    for result, name in zip(coasts, ("50 steps", "100 steps", "200 steps"), strict=True):
+        history = result.history
+        left.plot(history["time"] * 1e6, history["speed"], ".", ms=3, label=name)
+        right.plot(history["time"] * 1e6, history["cutting_force"], ".-", lw=0.5, ms=3, label=name)
+    right.axhline(LIGHT * LIMIT, color="k", lw=0.8, label="µN")
+    left.set(xlabel="time (µs)", ylabel="mean speed (mm/s)")
+    right.set(xlabel="time (µs)", ylabel="friction force (N/mm)")
+    left.legend(fontsize=7)
+    right.legend(fontsize=7)
+    save_picture(FOLDER, figure)
+
+
+if __name__ == "__main__":
+    main()
