@@ -22,6 +22,7 @@ BoolArray = NDArray[np.bool_]
 PlaceBoundary = Callable[[Array, Array], Array]
 
 _SHARP = np.cos(np.radians(40.0))  # a boundary that turns more than this at a particle has a corner there
+_LEVEL = 1e-9  # sine of the turn below which a particle lies on a straight line, to round-off
 _RETURN_WIDTH = 6  # free particles on each side over which the area of one insertion is returned
 
 
@@ -69,25 +70,31 @@ def collapse_short_edges(outline: Outline, shortest: Array, locked: BoolArray) -
     """Replace both ends of edges shorter than ``shortest`` (b,) by one particle that keeps the area.
 
     With the edge's neighbours a and d, the new particle lies on the parallel to a-d at the distance that keeps
-    the area of the polygon, abreast of the edge's middle. ``locked`` entries and corners stay.
+    the area of the polygon, abreast of the edge's middle. ``locked`` entries and corners stay: an edge between one of
+    them and a particle on a straight line goes with that particle.
     """
     loops = outline.topology
     following, points = loops.following, outline.points
     ends = points[following]
     length = np.hypot(*(ends - points).T)
     fixed = locked | corners(outline)
+    straight = ~fixed & _straight(outline)
+    one_stays = (fixed & straight[following]) | (fixed[following] & straight)
     # Edges that may not go don't compete with those that may.
-    ratio = np.where(fixed | fixed[following], np.inf, length / np.maximum(shortest, 1e-300))
+    kept = (fixed | fixed[following]) & ~one_stays
+    ratio = np.where(kept, np.inf, length / np.maximum(shortest, 1e-300))
     # Only the shortest of five consecutive edges may go, so that no two collapses share a particle.
     forward1, forward2 = ratio[following], ratio[following[following]]
     backward1, backward2 = ratio[loops.preceding], ratio[loops.preceding[loops.preceding]]
     smallest = (ratio < forward1) & (ratio < forward2) & (ratio <= backward1) & (ratio <= backward2)
     loop_size = np.repeat(np.diff(outline.starts), np.diff(outline.starts))
-    go = (ratio < 1.0) & smallest & ~fixed & ~fixed[following] & (loop_size > 6)
+    go = (ratio < 1.0) & smallest & (loop_size > 6)
     if not go.any():
         return outline
 
-    b = np.flatnonzero(go)
+    b = np.flatnonzero(go & one_stays)
+    dropped = np.where(fixed[b], following[b], b)
+    b = np.flatnonzero(go & ~one_stays)
     c = following[b]
     a, d = points[loops.preceding[b]], points[following[c]]
     chord = d - a
@@ -108,6 +115,7 @@ def collapse_short_edges(outline: Outline, shortest: Array, locked: BoolArray) -
     particles[b] = -1
     keep = np.ones(len(points), dtype=bool)
     keep[c] = False
+    keep[dropped] = False
     # The merged particle starts the edge that c started.
     parts = outline.parts.copy()
     parts[b] = outline.parts[c]
@@ -182,6 +190,14 @@ def _restore_area(outline: Outline, direction: Array, area: float) -> Outline:
             break
         points = points + (missing / slope) * direction
     return Outline(points, outline.particles, outline.parts, outline.starts)
+
+
+def _straight(outline: Outline) -> BoolArray:
+    """Entries at which the boundary does not turn; shape (b,)."""
+    loops = outline.topology
+    backward = outline.points - outline.points[loops.preceding]
+    forward = outline.points[loops.following] - outline.points
+    return np.abs(_cross(backward, forward)) <= _LEVEL * np.hypot(*backward.T) * np.hypot(*forward.T)
 
 
 def _starts_after(keep: BoolArray, starts: IntArray) -> IntArray:

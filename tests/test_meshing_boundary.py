@@ -174,6 +174,19 @@ def test_collapse_keeps_a_straight_side_straight() -> None:
     assert np.allclose(edited.points[2], (2.05, 0.0), atol=1e-15)
 
 
+def test_a_particle_on_a_straight_line_is_collapsed_onto_its_corner() -> None:
+    points = np.array(
+        [(0.0, 0.0), (2.0, 0.0), (3.9, 0.0), (4.0, 0.0), (4.0, 4.0), (2.0, 4.0), (0.0, 4.0), (0.0, 2.0)]
+    )
+    parts = np.array([0, 0, 0, 1, 2, 2, 3, 3])
+    mirrored = (points * [-1.0, 1.0])[::-1], np.arange(8)[::-1], np.roll(parts[::-1], -1)
+    for at, particles, on in ((points, np.arange(8), parts), mirrored):
+        outline = Outline(at, particles, on, np.array([0, 8]))
+        edited = collapse_short_edges(outline, np.full(8, 0.5), np.zeros(8, dtype=bool))
+        assert sorted(edited.particles) == [0, 1, 3, 4, 5, 6, 7]
+        assert edited.area == pytest.approx(16.0)
+
+
 def on_chord(a: Array, b: Array) -> Array:
     return 0.5 * (a + b)
 
