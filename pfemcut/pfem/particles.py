@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from meshing.mesh import Mesh, signed_areas
 from meshing.remesh import RemeshMap, SpacingRules, remesh
 from meshing.sizes import SizeField
+from pfemcut.pfem.loads import part_particles
 from pfemcut.pfem.state import Fields
 from pfemcut.problem import ParticleControls, Problem
 from pfemcut.tools.rigid_wedge import RigidWedge
@@ -47,7 +48,7 @@ def remesh_particles(
         refine_score=score,
         removal_scale=scale,
         locked=locked,
-        free=_free_particles(mesh, tools, sizes, locked),
+        free=_free_particles(problem, mesh, tools, sizes, locked),
         place_boundary=lambda a, b: _place_on_surface(a, b, tools),
     )
 
@@ -108,12 +109,14 @@ def _removal_scale(mesh: Mesh, score: Array, controls: ParticleControls) -> Arra
 
 
 def _free_particles(
-    mesh: Mesh, tools: tuple[RigidWedge, ...], sizes: SizeField, locked: BoolArray
+    problem: Problem, mesh: Mesh, tools: tuple[RigidWedge, ...], sizes: SizeField, locked: BoolArray
 ) -> BoolArray:
     """Boundary particles away from tools and supports, which may shift to keep the area; shape (n,)."""
     free = np.zeros(len(mesh.points), dtype=bool)
     particles = mesh.boundary.particles
     free[particles] = ~locked[particles]
+    for motion in problem.motions:
+        free[part_particles(problem, mesh, motion.part)] = False
     for tool in tools:
         free[particles] &= tool.closest(mesh.points[particles]).gap > sizes(mesh.points[particles])
     return free
