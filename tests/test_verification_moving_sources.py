@@ -11,8 +11,8 @@ from verification.moving_band_source.reference import Source
 FOLDER = Path(__file__).parent / "verification"
 
 
-# After 0.04 mm with a spacing of 4 um, twice that of the cases; verify.py finds second order in it. Next to what is left
-# out, 10 um from the singular line, the coarse mesh is 3.3 % off; from the band's ends 1.1 %.
+# After 0.04 mm with a spacing of 4 um, twice that of the cases; verify.py finds second order in it. Next to what is
+# left out, 10 um from the singular line, the coarse mesh is 3.3 % off; less for the band.
 @pytest.mark.parametrize(
     ("name", "source", "limit"), [("moving_line_source", LINE, 0.05), ("moving_band_source", BAND, 0.02)]
 )

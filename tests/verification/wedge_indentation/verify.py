@@ -1,4 +1,4 @@
-"""Hardness, contact length and force of the wedge, for three meshes, two steps and two wedges."""
+"""Hardness, contact length and force of the wedge: three meshes, two steps, two stiffnesses, two wedges."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from verification.common_C import Run, run, save_picture, write_results  # noqa:
 from verification.wedge_indentation.reference import contact_length, force, pressure  # noqa: E402
 
 SHEAR_YIELD = 200.0 / np.sqrt(3.0)
-TIP_RADIUS = 0.002
+TIP_RADIUS, YOUNG = 0.002, 200.5e3
 
 
 def indented(
@@ -24,6 +24,7 @@ def indented(
     semi_angle: float = 60.0,
     steps: int = 100,
     depth: float = 0.1,
+    young: float = YOUNG,
     mesh: dict[str, Any] | None = None,
 ) -> Run:
     """Run with the spacing ``fine`` (mm) near the wedge of ``semi_angle`` (degrees)."""
@@ -35,12 +36,12 @@ def indented(
         zone["size"] = fine
         table["mesh"].update(size=0.4 * max(fine / 0.01, 0.5), **(mesh or {}))
         table["time"].update(step=depth / steps, end=depth)
+        table["body"][0]["material"]["young_modulus"] = young
 
     def each_step(row: dict[str, Any]) -> None:
         frame = row["method"].frame()
         x = frame.points[frame.contact.particles, 0]
         row["reach"] = float(x.max(initial=0.0))
-        # Half of the next edge is loaded too, as seen from the last particle.
         row["face_pressure"] = float(np.median(frame.contact.pressure)) if len(x) else np.nan
         row["hardness"] = row["thrust_force"] / row["reach"] if row["reach"] else np.nan
 
@@ -84,16 +85,18 @@ def measured(result: Run, semi_angle: float) -> dict[str, Any]:
 def main() -> None:
     """All variants, the table and the picture."""
     rows, results = [], []
-    for fine, semi_angle, steps in (
-        (0.02, 60.0, 100),
-        (0.01, 60.0, 100),
-        (0.007, 60.0, 100),
-        (0.01, 60.0, 200),
-        (0.01, 75.0, 100),
+    for fine, semi_angle, steps, young in (
+        (0.02, 60.0, 100, YOUNG),
+        (0.01, 60.0, 100, YOUNG),
+        (0.007, 60.0, 100, YOUNG),
+        (0.01, 60.0, 200, YOUNG),
+        (0.01, 60.0, 100, 10.0 * YOUNG),
+        (0.01, 75.0, 100, YOUNG),
     ):
         begun = time.perf_counter()
-        result = indented(fine, semi_angle, steps, 0.1 if semi_angle == 60.0 else 0.05)
-        row = {"fine": fine, "semi_angle": semi_angle, "steps": steps, "nodes": len(result.mesh.points)}
+        result = indented(fine, semi_angle, steps, 0.1 if semi_angle == 60.0 else 0.05, young)
+        row = {"fine": fine, "semi_angle": semi_angle, "steps": steps, "young": young}
+        row["nodes"] = len(result.mesh.points)
         row |= measured(result, semi_angle)
         row["seconds"] = time.perf_counter() - begun
         rows.append(row)
