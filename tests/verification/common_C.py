@@ -105,5 +105,5 @@ def save_picture(folder: Path, figure: Any) -> None:
     path = folder / "results" / f"{folder.name}.png"
     path.parent.mkdir(exist_ok=True)
     figure.savefig(path, dpi=90)
-    Image.open(path).convert("RGB").quantize(32).save(path, optimize=True)
+    Image.open(path).convert("RGB").quantize(96).save(path, optimize=True)
     print(path, path.stat().st_size // 1024, "KiB")
