@@ -93,7 +93,7 @@ def test_conditions_reach_the_problem() -> None:
         ),
         (
             {"boundary": [{"part": "top", "velocity": {"x": 1.0}, "displacement": {"x": 1.0}}]},
-            "displacement and velocity exclude each other",
+            "displacement, velocity and gradient exclude each other",
         ),
     ],
 )
