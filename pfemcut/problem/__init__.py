@@ -1,0 +1,62 @@
+"""What a solver is given: bodies, named boundary parts with conditions, tool, contact and controls.
+
+Solvers take a :class:`Problem` and know nothing of case files; ``pfemcut.case.cutting`` translates an
+orthogonal cutting case, other translators serve verification problems. Units: mm, tonne, s, K (so N, MPa, mJ).
+"""
+
+from pfemcut.problem.conditions import (
+    Axis,
+    Convection,
+    DistributedForce,
+    HeatFlux,
+    MovingHeatBand,
+    PrescribedMotion,
+    PrescribedTemperature,
+    Pressure,
+    Schedule,
+    Traction,
+    constant,
+    fixed,
+)
+from pfemcut.problem.controls import (
+    Coarsening,
+    ElementTransfer,
+    ErrorEstimator,
+    HeatSource,
+    Integrator,
+    NewtonControls,
+    ParticleControls,
+    TimeControls,
+    VolumetricHistory,
+)
+from pfemcut.problem.problem import Body, ContactLaw, Cut, MovingTool, Probe, Problem
+
+__all__ = [
+    "Axis",
+    "Body",
+    "Coarsening",
+    "ContactLaw",
+    "Convection",
+    "Cut",
+    "DistributedForce",
+    "ElementTransfer",
+    "ErrorEstimator",
+    "HeatFlux",
+    "HeatSource",
+    "Integrator",
+    "MovingHeatBand",
+    "MovingTool",
+    "NewtonControls",
+    "ParticleControls",
+    "PrescribedMotion",
+    "PrescribedTemperature",
+    "Pressure",
+    "Probe",
+    "Problem",
+    "Schedule",
+    "TimeControls",
+    "Traction",
+    "VolumetricHistory",
+    "constant",
+    "fixed",
+]

@@ -1,0 +1,166 @@
+"""The problem as a whole: body, tool, contact, conditions and controls. Units: mm, tonne, s, K (so N, MPa, mJ)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from meshing.initial import Arc
+from meshing.mesh import Mesh
+from pfemcut.materials.material import Material
+from pfemcut.problem.conditions import (
+    Convection,
+    DistributedForce,
+    HeatFlux,
+    MovingHeatBand,
+    PrescribedMotion,
+    PrescribedTemperature,
+    Pressure,
+    Traction,
+)
+from pfemcut.problem.controls import NewtonControls, ParticleControls, TimeControls
+from pfemcut.tools.rigid_wedge import RigidWedge
+
+
+@dataclass(frozen=True)
+class Body:
+    """A meshed body.
+
+    Attributes
+    ----------
+    name
+        Name used in messages and outputs.
+    outline
+        Corners of the polygon, counter-clockwise (mm).
+    parts
+        Name of the boundary part of each polygon side; side ``i`` runs from corner ``i`` to ``i + 1``. With a
+        ``given`` mesh, the names that its part numbers stand for.
+    material
+        Material of the whole body.
+    temperature
+        Initial temperature (K).
+    velocity
+        Initial velocity (mm/s), which counts only with inertia.
+    arcs
+        Sides that are circular arcs.
+    given
+        A mesh to start from instead of meshing the outline, none or one.
+    """
+
+    name: str
+    outline: tuple[tuple[float, float], ...]
+    parts: tuple[str, ...]
+    material: Material
+    temperature: float
+    velocity: tuple[float, float] = (0.0, 0.0)
+    arcs: tuple[Arc, ...] = ()
+    given: tuple[Mesh, ...] = ()
+
+
+@dataclass(frozen=True)
+class Probe:
+    """A particle whose displacement and temperature the history follows: the one nearest ``point`` at the start."""
+
+    name: str
+    point: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class MovingTool:
+    """A rigid tool at time zero and its constant velocity (mm/s)."""
+
+    shape: RigidWedge
+    velocity: tuple[float, float]
+
+    def at(self, time: float) -> RigidWedge:
+        """The tool at ``time`` (s)."""
+        x, y = self.shape.centre
+        vx, vy = self.velocity
+        centre = (x + vx * time, y + vy * time)
+        return RigidWedge(centre, self.shape.rake, self.shape.clearance, self.shape.tip_radius)
+
+
+@dataclass(frozen=True)
+class ContactLaw:
+    """Penalty contact with regularised Coulomb friction (paper, eqs. 14, 26, 33).
+
+    Attributes
+    ----------
+    penalty
+        Pressure per penetration (MPa/mm).
+    friction
+        Coulomb coefficient.
+    reference_speed
+        Regularisation speed V_ref of eq. 26 (mm/s).
+    heat_partition
+        Fraction of the friction heat that enters the workpiece.
+    """
+
+    penalty: float
+    friction: float
+    reference_speed: float
+    heat_partition: float
+
+
+@dataclass(frozen=True)
+class Cut:
+    """What derived figures of an orthogonal cut refer to.
+
+    Attributes
+    ----------
+    depth
+        Uncut chip thickness (mm).
+    speed
+        Cutting speed (mm/s).
+    surface
+        Height of the uncut surface (mm).
+    """
+
+    depth: float
+    speed: float
+    surface: float
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A complete problem for any method.
+
+    Attributes
+    ----------
+    title
+        One line for reports.
+    body
+        The deforming body.
+    motions, forces, tractions, pressures, temperatures, fluxes, heat_bands, convections
+        Boundary conditions by part name; a boundary without any is free and adiabatic.
+    tool
+        Rigid tools, none or one.
+    contact
+        Law of contact between body and tool.
+    particles, time, newton
+        Controls.
+    stabilisation
+        Factor alpha_s of the polynomial pressure projection (paper, eq. 40).
+    cut
+        Reference figures if the problem is a cut, else empty.
+    probes
+        Points to follow.
+    """
+
+    title: str
+    body: Body
+    motions: tuple[PrescribedMotion, ...]
+    tool: tuple[MovingTool, ...]
+    contact: ContactLaw
+    particles: ParticleControls
+    time: TimeControls
+    newton: NewtonControls
+    stabilisation: float
+    cut: tuple[Cut, ...] = ()
+    forces: tuple[DistributedForce, ...] = ()
+    tractions: tuple[Traction, ...] = ()
+    pressures: tuple[Pressure, ...] = ()
+    temperatures: tuple[PrescribedTemperature, ...] = ()
+    fluxes: tuple[HeatFlux, ...] = ()
+    heat_bands: tuple[MovingHeatBand, ...] = ()
+    convections: tuple[Convection, ...] = ()
+    probes: tuple[Probe, ...] = ()
