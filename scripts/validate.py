@@ -1,11 +1,11 @@
-"""Runs published cases, studies and verification (`make validate`), a few at a time, and fills in the README's table.
+"""Runs published cases, studies and verification (`make validate`), a few at a time, and writes what they found.
 
     python scripts/validate.py [-j 2] [--overwrite] [NAME ...]
 
 Each script of demos/*/, and tests/verification/*/verify.py, runs in its own process with one BLAS thread. Those of the
 demos run with --resume, so what is finished costs seconds and what was interrupted goes on. Logs are in out/validate.
-NAME is part of a script's path (softening, rake6/run, necking). The status is 1 if a script failed or missed its
-target.
+At the end the README's table and docs/verification.md are written. NAME is part of a script's path (softening,
+rake6/run, necking). The status is 1 if a script failed or missed its target.
 """
 
 from __future__ import annotations
@@ -56,7 +56,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             for process in running:
                 process.wait()
             return 130
-    subprocess.run([sys.executable, str(ROOT / "scripts" / "results_table.py")], check=True)
+    for page in ("results_table.py", "verification_page.py"):
+        subprocess.run([sys.executable, str(ROOT / "scripts" / page)], check=True)
     return max(results)
 
 

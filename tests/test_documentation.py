@@ -15,6 +15,7 @@ PAGES = [
     ROOT / "README.md",
     *sorted((ROOT / "docs").glob("*.md")),
     *sorted((ROOT / "demos").glob("*/README.md")),
+    *sorted((ROOT / "tests" / "verification").glob("*/README.md")),
 ]
 
 
@@ -30,6 +31,12 @@ def test_case_file_reference_is_up_to_date() -> None:
     assert (ROOT / "docs" / "case_file.md").read_text(encoding="utf-8") == script(
         "case_file_reference"
     ).page(), "run python scripts/case_file_reference.py"
+
+
+def test_verification_page_is_up_to_date() -> None:
+    assert (ROOT / "docs" / "verification.md").read_text(encoding="utf-8") == script(
+        "verification_page"
+    ).page(), "run python scripts/verification_page.py"
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))

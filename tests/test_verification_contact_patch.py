@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from verification.contact_patch.reference import contact_pressure
-from verification.contact_patch.verify import HEIGHT, POISSON, STEPS, TRAVEL, YOUNG, pressed
+
+from tests.verification.contact_patch.reference import contact_pressure
+from tests.verification.contact_patch.verify import HEIGHT, POISSON, STEPS, TRAVEL, YOUNG, pressed
 
 
 @pytest.mark.parametrize("penalty", [4e5, 4e7])

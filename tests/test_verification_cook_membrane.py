@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from verification.cook_membrane import verify
+
+from tests.verification.cook_membrane import verify
 
 
 def test_small_strain_tip() -> None:
@@ -27,7 +28,7 @@ def test_plastic_tip() -> None:
 
 
 def test_taylor_hood_in_numpy_and_in_dolfinx_agree() -> None:
-    from verification.cook_membrane import taylor_hood_plastic as numpy_elements
+    from tests.verification.cook_membrane import taylor_hood_plastic as numpy_elements
 
     rubber = numpy_elements.Metal(240.565 / 2.9998, 240.565 / 0.0006, numpy_elements.np.inf)
     _, uy, _ = numpy_elements.tip_displacement(8, 100.0, 4, rubber)

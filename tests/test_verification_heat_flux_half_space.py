@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from verification.common_C import orders
-from verification.heat_flux_half_space.reference import backward_euler, exact
-from verification.heat_flux_half_space.verify import (
+
+from tests.verification.common import orders
+from tests.verification.heat_flux_half_space.reference import backward_euler, exact
+from tests.verification.heat_flux_half_space.verify import (
     CONDUCTIVITY,
     DIFFUSIVITY,
     END,

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from verification.hertz.reference import half_width, peak_pressure
-from verification.hertz.verify import POISSON, RADIUS, YOUNG, pressed
+
+from tests.verification.hertz.reference import half_width, peak_pressure
+from tests.verification.hertz.verify import POISSON, RADIUS, YOUNG, pressed
 
 
 def test_half_width_and_peak_pressure() -> None:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from verification.homogeneous import verify
+
+from tests.verification.homogeneous import verify
 
 
 @pytest.mark.parametrize("name", ["tension", "shear"])

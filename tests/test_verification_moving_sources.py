@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from verification.moving_band_source.ladder import BAND, LINE, STEP, compared, moved
-from verification.moving_band_source.reference import Source
+
+from tests.verification.moving_band_source.ladder import BAND, LINE, STEP, compared, moved
+from tests.verification.moving_band_source.reference import Source
 
 FOLDER = Path(__file__).parent / "verification"
 

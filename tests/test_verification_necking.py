@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-FOLDER = Path(__file__).parent / "verification"
-sys.path.insert(0, str(FOLDER))
+from tests.verification.necking.reference import considere_force, read_curve, solve
+from tests.verification.necking.verify import curve, difference, value
 
-from necking.reference import considere_force, read_curve, solve  # noqa: E402
-from necking.verify import curve, difference, value  # noqa: E402
+FOLDER = Path(__file__).parent / "verification"
 
 
 @pytest.fixture(scope="module")

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from verification.prandtl_punch import verify
+
+from tests.verification.prandtl_punch import verify
 
 
 # The overshoot found is 0.43 to 0.52 times the spacing over the half-width; twice that would be another method.

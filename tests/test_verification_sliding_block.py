@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from verification.sliding_block.reference import creep_speed
-from verification.sliding_block.verify import (
+
+from tests.verification.sliding_block.reference import creep_speed
+from tests.verification.sliding_block.verify import (
     LENGTH,
     LIMIT,
     MASS,

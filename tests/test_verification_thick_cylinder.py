@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from verification.thick_cylinder import reference as exact
-from verification.thick_cylinder import verify
+
+from tests.verification.thick_cylinder import reference as exact
+from tests.verification.thick_cylinder import verify
 
 
 def test_limit_pressure_and_curve_at_small_strain() -> None:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,10 +17,7 @@ from pfemcut.materials.return_mapping import elastic_strain
 from pfemcut.pfem.state import initial_fields
 from pfemcut.pfem.transfer import transfer_elements, transfer_fields
 from pfemcut.problem import ElementTransfer
-
-sys.path.insert(0, str(Path(__file__).parent / "verification"))
-
-from transfer.study import advected, remeshed, shear, swirl  # noqa: E402
+from tests.verification.transfer.study import advected, remeshed, shear, swirl
 
 SIZE = 0.1
 seeds = st.integers(0, 10_000)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from verification.wedge_indentation.reference import fan_angle, force
-from verification.wedge_indentation.verify import indented, measured
+
+from tests.verification.wedge_indentation.reference import fan_angle, force
+from tests.verification.wedge_indentation.verify import indented, measured
 
 
 def test_slip_line_field_becomes_prandtls_for_a_flat_punch() -> None:

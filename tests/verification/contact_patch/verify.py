@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
-from typing import Any
 
-FOLDER = Path(__file__).resolve().parent
-sys.path.insert(0, str(FOLDER.parents[1]))
+import matplotlib.pyplot as plt
 
-from verification.common_C import Run, run, save_picture, write_results  # noqa: E402
-from verification.contact_patch.reference import contact_pressure  # noqa: E402
+from ..common import Run, Table, run, save_picture, write_results
+from .reference import contact_pressure
 
+FOLDER = Path(__file__).parent
 YOUNG, POISSON, HEIGHT, TRAVEL, STEPS = 200.5e3, 0.3, 0.5, 0.005, 5
 
 
 def pressed(size: float = 0.2, fine: float = 0.01, penalty: float = 4e7, remesh: bool = False) -> Run:
     """Run with the given largest and smallest spacing (mm) and penalty (MPa/mm)."""
 
-    def change(table: dict[str, Any]) -> None:
+    def change(table: Table) -> None:
         table["mesh"].update(size=size, remesh=remesh)
         table["mesh"]["refine"][0]["size"] = fine
         table["contact"]["penalty"] = penalty
@@ -47,7 +45,7 @@ def main() -> None:
                 "fine": fine,
                 "penalty": penalty,
                 "remesh": str(remesh),
-                "nodes": len(result.mesh.points),
+                "nodes": result.nodes,
                 "loaded": len(found),
                 "lowest": float(found.min()),
                 "highest": float(found.max()),
@@ -71,8 +69,6 @@ def main() -> None:
 
 def picture(result: Run, reference: float) -> None:
     """Mesh and contact pressure."""
-    import matplotlib.pyplot as plt
-
     figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.2), layout="constrained")
     points, contact = result.mesh.points, result.method.frame().contact
     left.triplot(*points.T, result.mesh.cells, lw=0.5)

@@ -5,13 +5,10 @@ from __future__ import annotations
 import csv
 from pathlib import Path
 
-import matplotlib
+import matplotlib.pyplot as plt
 import numpy as np
 
-from ..common_A import Array, Run, case_table, orders, run, with_keys, write_summary, write_table
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
+from ..common import Array, Run, orders, run, save_picture, set_keys, write_results
 
 FOLDER = Path(__file__).parent
 REFERENCE = FOLDER / "reference"
@@ -25,13 +22,13 @@ def elastic(size: float, force: float = 100.0, steps: int = 10, **keys: object) 
     """The rubber membrane under ``force`` (N/mm)."""
     load = {"y": {"time": [0.0, 1.0], "value": [0.0, force]}}
     keys = {"mesh.size": size, "time.step": 1.0 / steps, "boundary.1.force": load, **keys}
-    return run(with_keys(case_table(FOLDER / "case.toml"), keys), FOLDER)
+    return run(FOLDER / "case.toml", lambda table: set_keys(table, keys))
 
 
 def plastic(size: float, steps: int = 50, **keys: object) -> Run:
     """The J2 membrane under 5 kN/mm."""
     keys = {"mesh.size": size, "time.step": 1.0 / steps, **keys}
-    return run(with_keys(case_table(FOLDER / "plastic.toml"), keys), FOLDER)
+    return run(FOLDER / "plastic.toml", lambda table: set_keys(table, keys))
 
 
 def tip(run: Run) -> float:
@@ -126,7 +123,6 @@ def main() -> None:
         for row, order in zip(block, orders(SIZES, [r["difference_%"] for r in block]), strict=True):
             row["order"] = order
         rows += block
-    write_table(FOLDER / "results" / "convergence.csv", rows)
     unstabilised = {
         f"h = {size}": pressure_figures(elastic(size, solver={"stabilisation": 1e-5})) for size in (3.0, 1.5)
     }
@@ -150,8 +146,9 @@ def main() -> None:
                     remeshed[f"{case}, {history}, h = {size}"] = change
                 print(history, size, case, remeshed[f"{case}, {history}, h = {size}"], flush=True)
     finest = {row["case"]: row for row in rows if row["size"] == SIZES[-1]}
-    write_summary(
+    write_results(
         FOLDER,
+        rows,
         {
             "reference": {
                 "small_strain_published": SMALL_STRAIN,
@@ -194,7 +191,7 @@ def _draw(rubber: Run, metal: Run, rows: list[dict[str, object]]) -> None:
     axes[3].minorticks_off()
     axes[3].set(xlabel="h (mm)", ylabel="tip below Taylor-Hood (%)")
     axes[3].legend(fontsize=7)
-    figure.savefig(FOLDER / "results" / "cook_membrane.png", dpi=80)
+    save_picture(FOLDER, figure)
 
 
 if __name__ == "__main__":

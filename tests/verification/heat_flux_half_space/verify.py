@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import sys
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import matplotlib.pyplot as plt
 import numpy as np
 
-FOLDER = Path(__file__).resolve().parent
-sys.path.insert(0, str(FOLDER.parents[1]))
+from ..common import Array, Run, Table, norms, orders, run, save_picture, write_results
+from .reference import backward_euler, exact
 
-from verification.common_C import Array, Run, norms, orders, run, save_picture, write_results  # noqa: E402
-from verification.heat_flux_half_space.reference import backward_euler, exact  # noqa: E402
-
+FOLDER = Path(__file__).parent
 FLUX, CONDUCTIVITY = 2.0e5, 50.0
 DIFFUSIVITY = CONDUCTIVITY / (7.844e-9 * 0.46e9)
 END = 1.041e-4
@@ -23,7 +21,7 @@ END = 1.041e-4
 def heated(size: float, steps: int, remesh: bool = True) -> Run:
     """Run with spacing ``size`` (mm) and ``steps`` steps."""
 
-    def change(table: dict[str, Any]) -> None:
+    def change(table: Table) -> None:
         table["mesh"].update(size=size, remesh=remesh)
         table["time"]["step"] = END / steps
 
@@ -88,7 +86,7 @@ def add(rows: list[dict[str, Any]], found: list[Any], parameters: Any) -> None:
             {
                 "size": size,
                 "steps": steps,
-                "nodes": len(result.mesh.points),
+                "nodes": result.nodes,
                 "rms": error[0],
                 "max": error[1],
                 "surface": error[2],
@@ -101,8 +99,6 @@ def add(rows: list[dict[str, Any]], found: list[Any], parameters: Any) -> None:
 
 def picture(cut: Run, rows: list[dict[str, Any]]) -> None:
     """Profile at the end, and both ladders."""
-    import matplotlib.pyplot as plt
-
     figure, (left, middle, right) = plt.subplots(1, 3, figsize=(11, 3.4), layout="constrained")
     line = np.linspace(0.0, 0.2, 200)
     left.plot(line, exact(line, END, FLUX, CONDUCTIVITY, DIFFUSIVITY), "k-", label="exact")

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Any
 
+import matplotlib.pyplot as plt
 import numpy as np
 
-FOLDER = Path(__file__).resolve().parent
-sys.path.insert(0, str(FOLDER.parents[1]))
+from pfemcut.pfem.method import PfemMethod
 
-from verification.common_C import Run, run, save_picture, write_results  # noqa: E402
-from verification.hertz.reference import half_width, peak_pressure  # noqa: E402
+from ..common import Run, Table, run, save_picture, write_results
+from .reference import half_width, peak_pressure
 
+FOLDER = Path(__file__).parent
 YOUNG, POISSON, RADIUS = 200.5e3, 0.3, 10.0
 
 
@@ -22,7 +22,7 @@ def pressed(
 ) -> Run:
     """Run with the spacing ``fine`` (mm) under the cylinder, and what was measured in each step."""
 
-    def change(table: dict[str, Any]) -> None:
+    def change(table: Table) -> None:
         table["body"][0]["outline"] = [[0.0, -extent], [extent, -extent], [extent, 0.0], [0.0, 0.0]]
         zone = table["mesh"]["refine"][0]
         table["mesh"].update(size=0.5 * fine / 0.005, remesh=remesh)
@@ -30,8 +30,8 @@ def pressed(
         table["contact"]["penalty"] = penalty
         table["time"]["step"] = table["time"]["end"] / steps
 
-    def each_step(row: dict[str, Any]) -> None:
-        frame = row["method"].frame()
+    def each_step(method: PfemMethod, row: Table) -> None:
+        frame = method.frame()
         x, pressure = frame.points[frame.contact.particles, 0], frame.contact.pressure
         row["load"] = 2.0 * row["thrust_force"]
         row["last_loaded"] = float(x.max(initial=0.0))
@@ -69,7 +69,7 @@ def main() -> None:
                 "penalty": penalty,
                 "remesh": str(remesh),
                 "extent": extent,
-                "nodes": len(result.mesh.points),
+                "nodes": result.nodes,
                 "load": load,
                 "a": float(history["half_width"][-1]),
                 "a_hertz": a,
@@ -98,8 +98,6 @@ def main() -> None:
 
 def picture(result: Run, row: dict[str, Any]) -> None:
     """Mesh, pressure over the contact, and half-width against load."""
-    import matplotlib.pyplot as plt
-
     figure, (left, middle, right) = plt.subplots(1, 3, figsize=(11, 3.4), layout="constrained")
     frame = result.method.frame()
     left.tripcolor(*frame.points.T, frame.cells, frame.cell_fields["von_mises"], cmap="viridis")

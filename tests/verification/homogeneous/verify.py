@@ -5,16 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import matplotlib
+import matplotlib.pyplot as plt
 import numpy as np
 
 from pfemcut.pfem.method import PfemMethod
 
-from ..common_A import Array, Run, Table, case_table, orders, run, with_keys, write_summary, write_table
+from ..common import Array, Run, Table, orders, run, save_picture, write_results
 from . import reference
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
 
 FOLDER = Path(__file__).parent
 STEPS = (25, 50, 100, 200, 400)
@@ -28,7 +25,7 @@ class Watch:
         self.rows: list[Array] = []
         self.spread = 0.0
 
-    def __call__(self, method: PfemMethod) -> None:
+    def __call__(self, method: PfemMethod, _: Table) -> None:
         frame = method.frame()
         stress = frame.cell_fields["cauchy_stress"]
         eqps = frame.cell_fields["equivalent_plastic_strain"].mean()
@@ -42,13 +39,14 @@ class Watch:
 
 def homogeneous(name: str, steps: int, adiabatic: bool, integrator: str = "implicit") -> tuple[Run, Watch]:
     """A run of ``tension`` or ``shear``."""
-    table = with_keys(
-        case_table(FOLDER / f"{name}.toml"), {"time.step": 1.0 / steps, "time.integrator": integrator}
-    )
-    if not adiabatic:
-        table["body"][0]["material"]["capacity"] = NEVER_WARM
+
+    def change(table: Table) -> None:
+        table["time"].update(step=1.0 / steps, integrator=integrator)
+        if not adiabatic:
+            table["body"][0]["material"]["capacity"] = NEVER_WARM
+
     watch = Watch()
-    return run(table, FOLDER, watch), watch
+    return run(FOLDER / f"{name}.toml", change, watch), watch
 
 
 def path_of(point: reference.Point) -> Array:
@@ -87,21 +85,12 @@ def figures(name: str, steps: int, adiabatic: bool, integrator: str = "implicit"
 def rotated(turn: float, steps: int = 50, integrator: str = "implicit") -> tuple[Run, Array]:
     """A clamped block stretched by 20 % and sheared by 10 % while all turns by ``turn`` degrees, and the turn."""
     times = np.linspace(0.0, 1.0, steps + 1)
-    table: Table = with_keys(
-        case_table(FOLDER / "tension.toml"),
-        {
-            "mesh.size": 0.2,
-            "time.step": 1.0 / steps,
-            "time.integrator": integrator,
-            "solver": {"tolerance": 1e-10},
-        },
-    )
     angle = np.deg2rad(turn) * times
     rotation = np.moveaxis(np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]), 2, 0)
     stretch = np.tile(np.eye(2), (steps + 1, 1, 1))
     stretch[:, 0, 0] += 0.2 * times
     stretch[:, 1, 0] += 0.1 * times
-    table["boundary"] = [
+    boundary = [
         {
             "part": part,
             "gradient": {
@@ -115,7 +104,13 @@ def rotated(turn: float, steps: int = 50, integrator: str = "implicit") -> tuple
         }
         for part in ("left", "right")
     ]
-    return run(table, FOLDER), rotation[-1]
+
+    def change(table: Table) -> None:
+        table["mesh"]["size"] = 0.2
+        table["time"].update(step=1.0 / steps, integrator=integrator)
+        table.update(solver={"tolerance": 1e-10}, boundary=boundary)
+
+    return run(FOLDER / "tension.toml", change), rotation[-1]
 
 
 def objectivity(integrator: str = "implicit", steps: int = 50) -> dict[str, float]:
@@ -155,10 +150,10 @@ def main() -> None:
                         row[f"order_{key[:-2]}"] = order
                 rows += block
                 print(*block, sep="\n")
-    write_table(FOLDER / "results" / "convergence.csv", rows)
     last = {f"{r['problem']}, {r['heat']}, {r['integrator']}": r for r in rows if r["steps"] == 400}
-    write_summary(
+    write_results(
         FOLDER,
+        rows,
         {
             "with_400_steps": last,
             "objectivity_90_degrees": objectivity(),
@@ -195,7 +190,7 @@ def _draw() -> None:
         )
         axis.legend(fontsize=7)
     figure.suptitle("lines: one-point integration; marks: pfemcut, 50 steps", fontsize=9)
-    figure.savefig(FOLDER / "results" / "homogeneous.png", dpi=105)
+    save_picture(FOLDER, figure)
 
 
 if __name__ == "__main__":

@@ -6,9 +6,11 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import matplotlib.pyplot as plt
 import numpy as np
-from verification.common_C import Run, norms, orders, run, save_picture, write_results
-from verification.moving_band_source.reference import Source
+
+from ..common import Run, Table, norms, orders, run, save_picture, write_results
+from .reference import Source
 
 CONDUCTIVITY = 50.0
 DIFFUSIVITY = CONDUCTIVITY / (7.844e-9 * 0.46e9)
@@ -24,7 +26,7 @@ def moved(folder: Path, scale: float, slower: float, follow: bool = True, end: f
     The fine mesh follows the source by remeshing, or else a mesh at rest is fine all along the path.
     """
 
-    def change(table: dict[str, Any]) -> None:
+    def change(table: Table) -> None:
         mesh, time = table["mesh"], table["time"]
         time["end"] = end or time["end"]
         time["step"] *= slower
@@ -138,8 +140,6 @@ def _peak(source: Source, time: float) -> float:
 
 
 def _picture(folder: Path, source: Source, result: Run, rows: list[dict[str, Any]]) -> None:
-    import matplotlib.pyplot as plt
-
     figure = plt.figure(figsize=(11, 6), layout="constrained")
     grid = figure.add_gridspec(2, 4)
     field, profile = figure.add_subplot(grid[0, :]), figure.add_subplot(grid[1, :2])

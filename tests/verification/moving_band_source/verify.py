@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
-FOLDER = Path(__file__).resolve().parent
-sys.path.insert(0, str(FOLDER.parents[1]))
-
-from verification.moving_band_source.ladder import BAND, ladders  # noqa: E402
+from .ladder import BAND, ladders
 
 if __name__ == "__main__":
-    ladders(FOLDER, BAND)
+    ladders(Path(__file__).parent, BAND)

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
-FOLDER = Path(__file__).resolve().parent
-sys.path.insert(0, str(FOLDER.parents[1]))
-
-from verification.moving_band_source.ladder import LINE, ladders  # noqa: E402
+from ..moving_band_source.ladder import LINE, ladders
 
 if __name__ == "__main__":
-    ladders(FOLDER, LINE)
+    ladders(Path(__file__).parent, LINE)

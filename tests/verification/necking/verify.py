@@ -1,6 +1,6 @@
 """Necking on three meshes, isothermal and adiabatic, with and without remeshing, against the F-bar solution.
 
-    python tests/verification/necking/verify.py
+    python -m tests.verification.necking.verify
 
 takes three minutes; ``--reference`` solves the reference anew as well (two minutes).
 """
@@ -13,11 +13,10 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-HERE = Path(__file__).parent
-sys.path.insert(0, str(HERE.parent))
+from ..common import Table, run, save_picture, write_results, write_table
+from .reference import considere_force, read_curve, solve
 
-from common_B import run, write_summary, write_table  # noqa: E402
-from necking.reference import considere_force, read_curve, solve  # noqa: E402
+FOLDER = Path(__file__).parent
 
 SIZES = (1.6, 0.8, 0.4)
 ELONGATION = {"isothermal": 10.0, "adiabatic": 7.0}
@@ -26,22 +25,16 @@ REFERENCE_MESHES = ((16, 5), (32, 10), (48, 15))
 NECK, WIDTH = 6.297566, 2.0
 
 
-def overrides(size: float, heating: str, remesh: bool, step: float = 0.004) -> list[str]:
-    """Case-file overrides of one run; a second is 10 mm of elongation."""
-    zone = f"{{ start = [0.0, 0.0], end = [0.0, 6.413], radius = 4.0, size = {size}, growth = 0.1 }}"
-    return [
-        f"mesh.size={2.0 * size}",
-        f"mesh.refine=[{zone}]",
-        f"mesh.remesh={str(remesh).lower()}",
-        f"body.0.material.taylor_quinney={0.9 if heating == 'adiabatic' else 0.0}",
-        f"time.step={step}",
-        f"time.end={ELONGATION[heating] / 10.0}",
-    ]
-
-
 def curve(size: float, heating: str, remesh: bool, step: float = 0.004) -> dict[str, np.ndarray]:
     """Force (N/mm), neck half-width (mm), warming (K) against elongation (mm) by pfemcut, and its costs."""
-    history = run(HERE / "case.toml", overrides(size, heating, remesh, step))
+    zone = {"start": [0.0, 0.0], "end": [0.0, 6.413], "radius": 4.0, "size": size, "growth": 0.1}
+
+    def change(table: Table) -> None:
+        table["mesh"].update(size=2.0 * size, refine=[zone], remesh=remesh)
+        table["body"][0]["material"]["taylor_quinney"] = 0.9 if heating == "adiabatic" else 0.0
+        table["time"].update(step=step, end=ELONGATION[heating] / 10.0)  # a second is 10 mm of elongation
+
+    history = run(FOLDER / "case.toml", change).history
     return {
         "elongation": 10.0 * history["time"],
         "force": WIDTH * history["reaction_end_x"],
@@ -81,17 +74,17 @@ def solve_references() -> None:
                 rows.append({"heating": heating, "quadrilaterals": f"{nx}x{ny}", "elongation": at, **values})
             print(rows[-1], flush=True)
         write_table(
-            HERE / f"reference_{heating}.csv",
+            FOLDER / f"reference_{heating}.csv",
             [dict(zip(found, map(float, line), strict=True)) for line in zip(*found.values(), strict=True)],
         )
-    write_table(HERE / "results" / "reference_convergence.csv", rows)
+    write_table(FOLDER / "results" / "reference_convergence.csv", rows)
 
 
 def ladder() -> tuple[list[dict], dict, dict]:
     """Convergence rows, summary figures and curves of all runs."""
     rows, figures, curves = [], {"considere_force": considere_force()}, {}
     for heating, elongation in ELONGATION.items():
-        reference = read_curve(HERE / f"reference_{heating}.csv")
+        reference = read_curve(FOLDER / f"reference_{heating}.csv")
         curves[heating, 0.0, False] = reference
         for size in SIZES:
             for remesh in (False, True):
@@ -172,17 +165,15 @@ def draw(curves: dict) -> None:
     for axis in axes:
         axis.set(xlabel="elongation (mm)", xlim=(0, 10))
     axes[1].legend(fontsize=7, loc="lower left")
-    figure.savefig(HERE / "results" / "necking.png", dpi=110)
+    save_picture(FOLDER, figure)
 
 
 def main() -> None:
-    (HERE / "results").mkdir(exist_ok=True)
     if "--reference" in sys.argv:
         solve_references()
     rows, figures, curves = ladder()
-    write_table(HERE / "results" / "convergence.csv", rows)
-    write_table(HERE / "results" / "step_convergence.csv", step_ladder())
-    write_summary(HERE / "results" / "summary.json", figures)
+    write_results(FOLDER, rows, figures)
+    write_table(FOLDER / "results" / "step_convergence.csv", step_ladder())
     draw(curves)
 
 

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import matplotlib
+import matplotlib.pyplot as plt
 import numpy as np
 
-from ..common_A import Array, Run, case_table, orders, run, with_keys, write_summary, write_table
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
+from ..common import Array, Run, Table, orders, run, save_picture, write_results
 
 FOLDER = Path(__file__).parent
 K = 100.0  # MPa
@@ -20,10 +17,13 @@ SIZES = (0.4, 0.2, 0.1, 0.05, 0.025)
 
 def punch(size: float, rough: bool = False) -> Run:
     """A run with the spacing ``size`` (mm) under and beside the punch, which may hold the surface."""
-    table = with_keys(case_table(FOLDER / "case.toml"), {"mesh.refine.0.size": size})
-    if rough:
-        table["boundary"][3]["displacement"]["x"] = 0.0
-    return run(table, FOLDER)
+
+    def change(table: Table) -> None:
+        table["mesh"]["refine"][0]["size"] = size
+        if rough:
+            table["boundary"][3]["displacement"]["x"] = 0.0
+
+    return run(FOLDER / "case.toml", change)
 
 
 def mean_pressure(punch: Run) -> Array:
@@ -54,14 +54,14 @@ def main() -> None:
         for row, order in zip(block, orders(sizes, [r["overshoot_%"] for r in block]), strict=True):
             row["order"] = order
         rows += block
-    write_table(FOLDER / "results" / "convergence.csv", rows)
     smooth = {row["size_over_half_width"]: row["overshoot_%"] for row in rows if row["surface"] == "smooth"}
     rough_overshoot = {
         row["size_over_half_width"]: row["overshoot_%"] for row in rows if row["surface"] == "rough"
     }
     fine, finest = smooth[SIZES[-2]], smooth[SIZES[-1]]
-    write_summary(
+    write_results(
         FOLDER,
+        rows,
         {
             "reference": {"limit_mean_pressure": LIMIT},
             "overshoot_%_by_size_smooth": {str(key): value for key, value in smooth.items()},
@@ -96,7 +96,7 @@ def _draw(runs: dict[tuple[float, bool], Run]) -> None:
         fan = 1.0 + reach / np.sqrt(2.0) * np.cos(angle), reach / np.sqrt(2.0) * np.sin(angle)
         x = np.concatenate([[1.0 - reach], fan[0], [1.0 + reach]])
         right.plot(x, np.concatenate([[0.0], fan[1], [0.0]]), "C0-", lw=0.8)
-    figure.savefig(FOLDER / "results" / "prandtl_punch.png", dpi=105)
+    save_picture(FOLDER, figure)
 
 
 if __name__ == "__main__":

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Any
 
+import matplotlib.pyplot as plt
 import numpy as np
 
-FOLDER = Path(__file__).resolve().parent
-sys.path.insert(0, str(FOLDER.parents[1]))
+from pfemcut.pfem.method import PfemMethod
 
-from verification.common_C import Array, Run, run, save_picture, write_results  # noqa: E402
-from verification.sliding_block.reference import coasting_speed, creep_speed  # noqa: E402
+from ..common import Array, Run, Table, run, save_picture, weights, write_results
+from .reference import coasting_speed, creep_speed
 
-from meshing.mesh import signed_areas  # noqa: E402
-from pfemcut.pfem.kinematics import lumped  # noqa: E402
+FOLDER = Path(__file__).parent
 
 PRESSURE, FRICTION, LENGTH, HEIGHT, SPEED, V_REF = 100.0, 0.3, 1.0, 0.2, 3330.0, 1.0
 LIMIT = FRICTION * PRESSURE * LENGTH
@@ -34,7 +32,7 @@ def sliding(size: float = 0.1, remesh: bool = True) -> Run:
 def dragged(ratio: float, step: float = 1e-3, steps: int = 10, size: float = 0.1) -> Run:
     """Quasi-static, dragged by ``ratio`` of the friction limit."""
 
-    def change(table: dict[str, Any]) -> None:
+    def change(table: Table) -> None:
         pull = {"time": [step, 2.0 * step], "value": [0.0, ratio * LIMIT / LENGTH]}
         table["boundary"][0] = {"part": "bottom", "pressure": PRESSURE, "traction": {"x": pull}}
         # Without inertia nothing but friction holds the block, so that there must be contact from the start.
@@ -52,19 +50,19 @@ def free(start: float, ratio: float, steps: int, end: float, size: float = 0.1) 
     def ramp(value: float) -> dict[str, list[float]]:
         return {"time": [0.0, RAMP], "value": [0.0, LIGHT * value]}
 
-    def change(table: dict[str, Any]) -> None:
+    def change(table: Table) -> None:
         table["body"][0]["velocity"] = [start, 0.0]
         table["boundary"][0] = {"part": "bottom", "pressure": ramp(PRESSURE)}
         table["boundary"][0]["traction"] = {"x": ramp(ratio * LIMIT / LENGTH)}
         table["mesh"].update(size=size, remesh=False)
         table["time"].update(step=STOP / steps, end=end, inertia=True)
 
-    def each_step(row: dict[str, Any]) -> None:
-        state = row["method"].current
+    def each_step(method: PfemMethod, row: Table) -> None:
+        state = method.current
         mesh, fields = state.mesh, state.fields
-        weights = lumped(signed_areas(mesh.points, mesh.cells), mesh.cells, len(mesh.points))
-        row["travelled"] = float(weights @ fields.displacement[:, 0] / weights.sum())
-        row["speed"] = float(weights @ fields.last_displacement[:, 0] / weights.sum() / state.clock.last_dt)
+        area = weights(mesh)
+        row["travelled"] = float(area @ fields.displacement[:, 0] / area.sum())
+        row["speed"] = float(area @ fields.last_displacement[:, 0] / area.sum() / state.clock.last_dt)
 
     return run(FOLDER / "case.toml", change, each_step)
 
@@ -136,8 +134,6 @@ def main() -> None:
 
 def picture(coasts: list[Run]) -> None:
     """Speed while it coasts to a stop, and the force of friction."""
-    import matplotlib.pyplot as plt
-
     figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.2), layout="constrained")
     time = np.linspace(0.0, 1.3 * STOP, 400)
     left.plot(time * 1e6, rigid_speed(time, SPEED, 0.0), "k-", lw=0.8, label="rigid block")

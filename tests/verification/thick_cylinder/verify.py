@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import matplotlib
+import matplotlib.pyplot as plt
 import numpy as np
 
-from ..common_A import Array, Run, case_table, orders, run, with_keys, write_summary, write_table
+from ..common import Array, Run, Table, orders, run, save_picture, set_keys, write_results
 from . import reference as exact
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
 
 FOLDER = Path(__file__).parent
 SIZES = (50.0, 25.0, 12.5, 6.25, 3.125)
@@ -20,12 +17,15 @@ STIFF = 100.0  # factor on E, with the displacements divided by it: small strain
 
 def cylinder(size: float, stiffness: float = 1.0, **keys: object) -> Run:
     """A run with the mesh ``size`` (mm), E times ``stiffness`` and the bore displacement divided by it."""
-    table = with_keys(case_table(FOLDER / "case.toml"), {"mesh.size": size, **keys})
-    material, gradient = table["body"][0]["material"], table["boundary"][2]["gradient"]
-    material["young_modulus"] *= stiffness
-    for component in gradient.values():
-        component["value"][1] /= stiffness
-    return run(table, FOLDER)
+
+    def change(table: Table) -> None:
+        set_keys(table, {"mesh.size": size, **keys})
+        material, gradient = table["body"][0]["material"], table["boundary"][2]["gradient"]
+        material["young_modulus"] *= stiffness
+        for component in gradient.values():
+            component["value"][1] /= stiffness
+
+    return run(FOLDER / "case.toml", change)
 
 
 def bore_pressure(cylinder: Run) -> Array:
@@ -66,10 +66,10 @@ def main() -> None:
             block, orders(SIZES, [r["pressure_from_radial_%"] for r in block]), strict=True
         ):
             row["order_pressure"] = order
-    write_table(FOLDER / "results" / "convergence.csv", rows)
     remeshed = figures(cylinder(6.25, **{"mesh.remesh": True}), 1.0)
-    write_summary(
+    write_results(
         FOLDER,
+        rows,
         {
             "reference": {"limit_pressure": exact.LIMIT_PRESSURE},
             "finest": rows[len(SIZES) - 1],
@@ -116,7 +116,7 @@ def _draw(runs: dict[tuple[float, float], Run]) -> None:
     right.plot(r, limit + 2.0 * exact.K, "k-", lw=0.8)
     right.set(xlabel="current radius (mm)", ylabel="Cauchy stress at the end (MPa)")
     right.legend(fontsize=7)
-    figure.savefig(FOLDER / "results" / "thick_cylinder.png", dpi=110)
+    save_picture(FOLDER, figure)
 
 
 if __name__ == "__main__":

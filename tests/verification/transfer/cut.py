@@ -1,25 +1,21 @@
 """A short coarse cut of AISI 4340 with each transfer rule: forces, dissipation, ledgers and cost.
 
-    python tests/verification/transfer/cut.py
+    python -m tests.verification.transfer.cut
 
 takes four minutes.
 """
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import numpy as np
 
-HERE = Path(__file__).parent
-sys.path[:0] = [str(HERE.parent), str(HERE.parents[1])]
+from pfemcut.pfem.method import PfemMethod
+from pfemcut.problem import ElementTransfer
+from tests.problems import cut_problem
 
-from common_B import write_table  # noqa: E402
-from problems import cut_problem  # noqa: E402
-
-from pfemcut.pfem.method import PfemMethod  # noqa: E402
-from pfemcut.problem import ElementTransfer  # noqa: E402
+from ..common import write_table
 
 TRAVEL, SPEED = 0.4, 3330.0
 
@@ -60,4 +56,4 @@ def row(rule: ElementTransfer) -> dict[str, float | str]:
 
 
 if __name__ == "__main__":
-    write_table(HERE / "results" / "cut.csv", [row(rule) for rule in ElementTransfer])
+    write_table(Path(__file__).parent / "results" / "cut.csv", [row(rule) for rule in ElementTransfer])

@@ -27,20 +27,10 @@ from meshing.remesh import RemeshMap, SpacingRules, remesh
 from meshing.sizes import SizeField
 from pfemcut.pfem.transfer import transfer_elements, transfer_particles
 from pfemcut.problem import ElementTransfer
+from tests.problems import RULES
 
 Array = NDArray[np.float64]
 
-RULES = SpacingRules(
-    boundary_split=1.45,
-    boundary_removal=0.35,
-    interior_radius=0.95,
-    interior_area=0.65,
-    interior_spacing=0.55,
-    interior_removal=0.45,
-    power_smallest=0.5,
-    insert=True,
-    remove=True,
-)
 WIDTH = 0.22
 Rule = Callable[[Array, Mesh, Mesh, RemeshMap], Array]
 

@@ -1,22 +1,20 @@
 """What hundreds of remeshes cost a field by each transfer rule, on three meshes.
 
-    python tests/verification/transfer/verify.py
+    python -m tests.verification.transfer.verify
 
 takes about three minutes. There is no case file: the particles follow a known motion, nothing is solved.
 """
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 
-HERE = Path(__file__).parent
-sys.path.insert(0, str(HERE.parent))
+from ..common import save_picture, write_results
+from .study import FLOWS, RULES_BY_NAME, advected
 
-from common_B import write_summary, write_table  # noqa: E402
-from transfer.study import FLOWS, RULES_BY_NAME, advected  # noqa: E402
+FOLDER = Path(__file__).parent
 
 SIZES = (0.14, 0.1, 0.07, 0.05)
 STEPS = (100, 200, 400)
@@ -62,15 +60,14 @@ def draw(rows: list[dict]) -> None:
         axis.minorticks_off()
         axis.title.set_fontsize(10)
     axes[0].legend(fontsize=8)
-    figure.savefig(HERE / "results" / "transfer.png", dpi=110)
+    save_picture(FOLDER, figure)
 
 
 def main() -> None:
-    (HERE / "results").mkdir(exist_ok=True)
     rows = ladder()
-    write_table(HERE / "results" / "convergence.csv", rows)
-    write_summary(
-        HERE / "results" / "summary.json",
+    write_results(
+        FOLDER,
+        rows,
         {
             f"{row['flow']}, {row['rule']}": {
                 key: row[key] for key in ("integral_jump", "integral_error", "l2_jump", "l2_error", "ms")

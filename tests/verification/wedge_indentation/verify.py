@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import sys
-import time
 from pathlib import Path
 from typing import Any
 
+import matplotlib.pyplot as plt
 import numpy as np
 
-FOLDER = Path(__file__).resolve().parent
-sys.path.insert(0, str(FOLDER.parents[1]))
+from pfemcut.pfem.method import PfemMethod
 
-from verification.common_C import Run, run, save_picture, write_results  # noqa: E402
-from verification.wedge_indentation.reference import contact_length, force, pressure  # noqa: E402
+from ..common import Run, Table, run, save_picture, write_results
+from .reference import contact_length, force, pressure
 
+FOLDER = Path(__file__).parent
 SHEAR_YIELD = 200.0 / np.sqrt(3.0)
 TIP_RADIUS, YOUNG = 0.002, 200.5e3
 
@@ -29,7 +28,7 @@ def indented(
 ) -> Run:
     """Run with the spacing ``fine`` (mm) near the wedge of ``semi_angle`` (degrees)."""
 
-    def change(table: dict[str, Any]) -> None:
+    def change(table: Table) -> None:
         table["tool"].update(rake=-semi_angle, clearance=90.0 - semi_angle)
         zone = table["mesh"]["refine"][0]
         zone["growth"] = min(zone["growth"] * fine / 0.01, 0.8)
@@ -38,8 +37,8 @@ def indented(
         table["time"].update(step=depth / steps, end=depth)
         table["body"][0]["material"]["young_modulus"] = young
 
-    def each_step(row: dict[str, Any]) -> None:
-        frame = row["method"].frame()
+    def each_step(method: PfemMethod, row: Table) -> None:
+        frame = method.frame()
         x = frame.points[frame.contact.particles, 0]
         row["reach"] = float(x.max(initial=0.0))
         row["face_pressure"] = float(np.median(frame.contact.pressure)) if len(x) else np.nan
@@ -93,12 +92,11 @@ def main() -> None:
         (0.01, 60.0, 100, 10.0 * YOUNG),
         (0.01, 75.0, 100, YOUNG),
     ):
-        begun = time.perf_counter()
         result = indented(fine, semi_angle, steps, 0.1 if semi_angle == 60.0 else 0.05, young)
         row = {"fine": fine, "semi_angle": semi_angle, "steps": steps, "young": young}
-        row["nodes"] = len(result.mesh.points)
+        row["nodes"] = result.nodes
         row |= measured(result, semi_angle)
-        row["seconds"] = time.perf_counter() - begun
+        row["seconds"] = result.seconds
         rows.append(row)
         results.append(result)
         print(row, flush=True)
@@ -108,8 +106,6 @@ def main() -> None:
 
 def picture(results: list[Run], rows: list[dict[str, Any]]) -> None:
     """Mesh with plastic strain rate at the end, pressure over the face, force against depth."""
-    import matplotlib.pyplot as plt
-
     figure, (left, middle, right) = plt.subplots(1, 3, figsize=(12, 3.6), layout="constrained")
     psi = np.radians(60.0)
     frame = results[2].method.frame()
