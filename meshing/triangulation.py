@@ -16,8 +16,16 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 
+# Boundary edges closer than this along their loop cross because the boundary folds, not by contact.
+_FOLD = 4
+
+
+class TriangulationFailed(Exception):
+    """Points that can't be triangulated: not finite, coincident, on a boundary edge, or a boundary that folds."""
+
+
 class BoundaryCrossing(Exception):
-    """Two boundary edges cross or touch: the body overlaps itself."""
+    """Two parts of the boundary far from each other cross or touch: the body touches itself."""
 
 
 def constrained_delaunay(points: Array, edges: IntArray) -> IntArray:
@@ -32,10 +40,12 @@ def constrained_delaunay(points: Array, edges: IntArray) -> IntArray:
     Raises
     ------
     BoundaryCrossing
-        If edges cross, or a point is not finite or coincides with another.
+        If edges that are far apart along their loop cross.
+    TriangulationFailed
+        If neighbouring edges cross, or a point is not finite, coincides with another or lies on an edge.
     """
     if not np.all(np.isfinite(points)):
-        raise BoundaryCrossing("particle positions are not finite")
+        raise TriangulationFailed("particle positions are not finite")
     triangulation = cdt.Triangulation(
         cdt.VertexInsertionOrder.AUTO, cdt.IntersectingConstraintEdges.NOT_ALLOWED, 0.0
     )
@@ -46,18 +56,25 @@ def constrained_delaunay(points: Array, edges: IntArray) -> IntArray:
     except RuntimeError as error:
         if type(error) is not RuntimeError:  # NotImplementedError and the like are no geometry
             raise
-        raise BoundaryCrossing(_where(points, str(error))) from error
+        raise _explained(points, edges, str(error)) from error
     if triangulation.piece_to_originals_count():
-        raise BoundaryCrossing("a particle lies on a boundary edge")
+        raise TriangulationFailed("a particle lies on a boundary edge")
     triangulation.erase_outer_triangles_and_holes()
     return triangulation.triangles_array()["vertices"].astype(np.int64)
 
 
-def _where(points: Array, message: str) -> str:
+def _explained(points: Array, edges: IntArray, message: str) -> Exception:
     """The triangulation library's ``message`` in terms of positions: it names edges by their particles."""
-    indices = [int(number) for number in re.findall(r"\d+", message.partition(" in ")[0].partition("\n")[0])]
-    named = [index for index in indices if index < len(points)]
-    if not named or not message.startswith("Intersecting"):
-        return message.partition("\n")[0]
-    x, y = points[named].mean(axis=0)
-    return f"boundary edges cross near ({x:.4f}, {y:.4f}) mm"
+    line = message.partition("\n")[0]
+    pairs = re.findall(r"\((\d+), (\d+)\)", line)
+    if not line.startswith("Intersecting") or len(pairs) != 2:
+        return TriangulationFailed(line)
+    (a, b), (c, d) = (tuple(map(int, pair)) for pair in pairs)
+    x, y = points[[a, b, c, d]].mean(axis=0)
+    where = f"boundary edges cross near ({x:.4f}, {y:.4f}) mm"
+    first = np.flatnonzero(np.isin(edges[:, 0], (a, b)))
+    second = np.flatnonzero(np.isin(edges[:, 0], (c, d)))
+    apart = np.abs(first[:, None] - second)
+    if np.minimum(apart, len(edges) - apart).min(initial=_FOLD) < _FOLD:
+        return TriangulationFailed(f"{where}: the boundary folds")
+    return BoundaryCrossing(where)

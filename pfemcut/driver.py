@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import signal
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,12 +17,20 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from pfemcut.inputs import read_toml
+from pfemcut.inputs import UserError, read_toml
 from pfemcut.method import CutEnded, Frame, Measures, Method, RunStopped
-from pfemcut.output.directory import HISTORY, INPUTS, SUMMARY, TIMING, prepare_directory, writing
+from pfemcut.output.directory import (
+    HISTORY,
+    INPUTS,
+    SUMMARY,
+    TIMING,
+    prepare_directory,
+    remove_conclusions,
+    writing,
+)
 from pfemcut.output.progress import progress_display
 from pfemcut.output.recorder import Recorder
-from pfemcut.problem import Problem
+from pfemcut.problem import Cut, Problem
 from pfemcut.ranks import Ranks, SignalNotes
 from pfemcut.results.checkpoint import Checkpoint, State, read_checkpoint, require_same_case
 from pfemcut.results.derived.columns import derived_columns
@@ -163,6 +171,8 @@ def run_problem(
     warnings: tuple[str, ...] = ()
     if resume:
         checkpoint = ranks.on_first(lambda: _resumable(directory, inputs))
+        # What an earlier end concluded no longer holds.
+        ranks.on_first(lambda: remove_conclusions(directory))
         last_step, warnings = checkpoint.step, checkpoint.warnings
         method = factory.restore(checkpoint.state)
     else:
@@ -211,6 +221,8 @@ class _Run:
         self._warnings = tuple(warnings)
         # Rank 0 has one, the others none.
         self._recorders: list[Recorder] = []
+        # The last step's measures, until they stand in the history.
+        self._pending: list[Measures] = []
 
     @contextmanager
     def recording(self, inputs: str, last_step: int) -> Iterator[None]:
@@ -248,24 +260,20 @@ class _Run:
         except RunStopped as stopped:
             self._finish(finished=False, ending=str(stopped), warnings=(str(stopped),))
             raise
+        except UserError:
+            raise  # the same on all ranks
+        except Exception:
+            self._ranks.abort_others()
+            raise
         return self._finish(finished=True, ending="reached its final time")
 
     def _record(self, measures: Measures, begun: float) -> None:
         """Write what is due after a step; the time that this takes is the step's phase ``output``."""
         method, controls, step = self._method, self._controls, measures.step
         advanced = time.perf_counter()
-        last = method.finished
-        if last or step % controls.history_every == 0:
-            own = dict(method.own_measures())
-            frames = [method.frame()] if self._problem.cut else []
-            cuts = zip(frames, self._problem.cut, strict=False)
-
-            def write_row() -> None:
-                for frame, cut in cuts:
-                    own.update(derived_columns(frame, cut))
-                self._recorders[0].row(measures, own)
-
-            self._ranks.on_first(write_row)
+        self._pending = [measures]
+        if step % controls.history_every == 0:
+            self._record_row()
         if step % controls.every == 0:
             self._record_frame()
         if step % controls.checkpoint_every == 0:
@@ -273,6 +281,25 @@ class _Run:
         ended = time.perf_counter()
         seconds = {**method.timing(), "output": ended - advanced, "total": ended - begun}
         self._ranks.on_first(lambda: self._recorders[0].times(step, seconds))
+
+    def _record_row(self) -> None:
+        """Write the history row of the last step, unless it is written."""
+        for measures in self._pending:
+            own = dict(self._method.own_measures())
+            frames = [self._method.frame()] if self._problem.cut else []
+            cuts = zip(frames, self._problem.cut, strict=False)
+
+            def write_row(
+                measures: Measures = measures,
+                own: dict[str, float] = own,
+                cuts: Iterable[tuple[Frame, Cut]] = cuts,
+            ) -> None:
+                for frame, cut in cuts:
+                    own.update(derived_columns(frame, cut))
+                self._recorders[0].row(measures, own)
+
+            self._ranks.on_first(write_row)
+        self._pending = []
 
     def _record_frame(self) -> Frame:
         frame = self._method.frame()
@@ -285,6 +312,7 @@ class _Run:
 
     def _finish(self, *, finished: bool, ending: str, warnings: Sequence[str] = ()) -> Summary:
         """Write the last state, the summary, and the figures and the report if wished."""
+        self._record_row()
         frame = self._record_frame()
         self._record_checkpoint(frame.step)
 

@@ -20,7 +20,10 @@ class InputError(UserError):
 
     def __init__(self, problems: Iterable[str]) -> None:
         self.problems = tuple(problems)
-        super().__init__("\n".join(self.problems))
+        super().__init__(self.problems)
+
+    def __str__(self) -> str:
+        return "\n".join(self.problems)
 
 
 def nearest(name: str, candidates: Iterable[str]) -> str:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import pickle
 import signal
+import sys
 import threading
+import traceback
 from collections.abc import Callable
 from types import FrameType, TracebackType
 from typing import Any, TypeVar, cast
@@ -43,14 +46,30 @@ class Ranks:
             except Exception as error:
                 failure = error
         if self._comm.size > 1:
-            result, failure = self._comm.bcast((result, failure), root=0)
+            result, failure = self._comm.bcast((result, _portable(failure)), root=0)
         if failure is not None:
             raise failure
         return cast(Result, result)
 
+    def abort_others(self) -> None:
+        """End all ranks, with the traceback of this one's error, if there are others: they may wait for this one."""
+        if self._comm.size > 1:
+            traceback.print_exc()
+            sys.stderr.flush()
+            self._comm.Abort(1)
+
     def largest(self, value: int) -> int:
         """Return the largest of the ranks' values."""
         return value if self._comm.size == 1 else max(self._comm.allgather(value))
+
+
+def _portable(failure: Exception | None) -> Exception | None:
+    """``failure``, or its words if it can't be sent to other ranks."""
+    try:
+        pickle.loads(pickle.dumps(failure))
+    except Exception:
+        return RuntimeError(repr(failure))
+    return failure
 
 
 class SignalNotes:

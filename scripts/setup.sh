@@ -8,8 +8,8 @@ fail() { echo "setup: $*" >&2; exit 1; }
 
 # 1. Debian packages. The dolfinx JIT needs a C compiler and Python's headers.
 packages=(
-    python3-dolfinx python3-petsc4py python3-mpi4py python3-gmsh gmsh libopenblas0-pthread
-    python3-numba python3-h5py python3-scipy python3-venv python3-dev gcc libc6-dev make
+    python3-dolfinx python3-petsc4py python3-mpi4py openmpi-bin python3-gmsh gmsh libopenblas0-pthread
+    python3-h5py python3-scipy python3-venv python3-dev gcc libc6-dev make
 )
 command -v dpkg-query >/dev/null || fail "needs Debian 12 or a system with its packages (no dpkg-query here)"
 missing=()
@@ -23,7 +23,7 @@ setup: install them as root, then repeat:
 setup:   apt-get update && apt-get install --no-install-recommends ${missing[*]}"
     echo "setup: installing ${missing[*]}"
     export DEBIAN_FRONTEND=noninteractive
-    apt-get update
+    apt-get update || echo "setup: warning: apt-get update failed; trying with the lists at hand" >&2
     apt-get install -y --no-install-recommends "${missing[@]}"
 fi
 
@@ -42,9 +42,15 @@ unset VIRTUAL_ENV PYTHONHOME PYTHONPATH PIP_TARGET PIP_PREFIX PIP_USER PIP_REQUI
 export PYTHONNOUSERSITE=1
 wanted=$("$system" -c 'import os, sys; print(os.path.realpath(sys.executable))')
 found=$(.venv/bin/python -c 'import os, sys; print(os.path.realpath(sys.executable))' 2>/dev/null || true)
-if [ "$found" != "$wanted" ] || ! grep -q '^include-system-site-packages = true' .venv/pyvenv.cfg; then
+if [ "$found" != "$wanted" ] || ! grep -q '^include-system-site-packages = true' .venv/pyvenv.cfg \
+    || ! .venv/bin/python -m pip --version >/dev/null 2>&1; then
     "$system" -m venv --clear --system-site-packages .venv
 fi
+
+# Also for those who run .venv/bin/pfemcut themselves.
+for folder in .venv/lib/python3.*/site-packages; do
+    echo 'import site; site.ENABLE_USER_SITE = False' > "$folder/nouser.pth"
+done
 
 # 4. Python packages, with numpy held at the version that Debian's binaries were built with.
 numpy=$("$system" -c 'import numpy; print(numpy.__version__)')
@@ -53,7 +59,9 @@ echo "numpy==$numpy" > .venv/constraints.txt
 
 # 5. Everything together in one process, before anybody waits for a run.
 .venv/bin/python - <<'CHECK' || fail "the installed packages do not work together (see above)"
-import dolfinx, gmsh, h5py, mpi4py.MPI, numba, numpy, petsc4py, pythoncdt, scipy
+import dolfinx, gmsh, h5py, mpi4py.MPI, numpy, petsc4py, pythoncdt, scipy
 import pfemcut.cli.main
+from pfemcut.pfem.step import Kernels
+Kernels(mpi4py.MPI.COMM_WORLD)  # compiles the forms, so that a compiler that does not work shows here
 print(f"setup: ready with dolfinx {dolfinx.__version__}, petsc4py {petsc4py.__version__}, numpy {numpy.__version__}")
 CHECK

@@ -17,6 +17,10 @@ BoolArray = NDArray[np.bool_]
 _TOLERANCE = 1e-11
 
 
+class HeatSolveFailed(Exception):
+    """The linear solver of the heat equation did not converge."""
+
+
 class HeatKernels:
     """The form and elements of the heat equation, compiled once a run."""
 
@@ -66,6 +70,11 @@ def solve_temperature_increment(
     -------
     increment
         Shape (n,).
+
+    Raises
+    ------
+    HeatSolveFailed
+        If the solver does not converge.
     """
     space = NodalSpace(mesh, kernels.scalar, 1)
     cells = CellSpace(mesh, kernels.element)
@@ -94,7 +103,10 @@ def solve_temperature_increment(
     solver.setTolerances(rtol=_TOLERANCE, max_it=2000)
     solver.setOperators(matrix)
     solver.solve(right, solution)
+    reason = solver.getConvergedReason()
     increment = space.gather(solution.array_r, len(temperature))[:, 0]
     for owned_object in (solver, right, solution, matrix):
         owned_object.destroy()
+    if reason <= 0 or not np.all(np.isfinite(increment)):
+        raise HeatSolveFailed(f"the heat equation was not solved (PETSc's reason {reason})")
     return increment

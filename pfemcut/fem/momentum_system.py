@@ -226,5 +226,9 @@ class MomentumSystem:
         total[self._mixed.particles] = local.reshape(-1, 3)
         comm = self._matrix.getComm().tompi4py()
         if comm.size > 1:
-            comm.Allreduce(MPI.IN_PLACE, total, op=MPI.SUM)
+            # Not Allreduce, whose result may differ in the last bit between ranks: every rank decides on these bits.
+            summed = np.empty_like(total)
+            comm.Reduce(total, summed, op=MPI.SUM, root=0)
+            comm.Bcast(summed, root=0)
+            return summed
         return total

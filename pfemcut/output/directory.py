@@ -26,6 +26,14 @@ class OutputError(UserError):
     """An output directory that can't be used or written; the message says why."""
 
 
+def remove_conclusions(directory: Path) -> None:
+    """Remove what the end of an earlier run concluded: summary, report and figures."""
+    with writing(directory):
+        for name in (SUMMARY, REPORT):
+            (directory / name).unlink(missing_ok=True)
+        shutil.rmtree(directory / FIGURES, ignore_errors=True)
+
+
 def prepare_directory(directory: Path, *, resume: bool, overwrite: bool) -> None:
     """Make ``directory`` ready for a run.
 

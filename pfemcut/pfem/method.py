@@ -19,6 +19,7 @@ from pfemcut.pfem.mechanics import thermal_strain
 from pfemcut.pfem.state import Clock, Ledger, State, from_arrays, initial_fields, to_arrays
 from pfemcut.pfem.step import PHASES, Kernels, StepRecord, advance
 from pfemcut.problem import Problem
+from pfemcut.ranks import Ranks
 from pfemcut.timing import Stopwatch
 
 Array = NDArray[np.float64]
@@ -43,7 +44,7 @@ class PfemMethod:
         """A run at time zero, with a new mesh."""
         body = problem.body
         # Every rank must hold the same bits, so one meshes for all.
-        mesh = MPI.COMM_WORLD.bcast(_initial_mesh(problem) if MPI.COMM_WORLD.rank == 0 else None)
+        mesh = Ranks().on_first(lambda: _initial_mesh(problem))
         first = problem.time.first_step_fraction * problem.time.step
         clock = Clock(step=0, time=0.0, last_dt=first, next_dt=first)
         vx, vy = body.velocity

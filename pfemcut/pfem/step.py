@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from meshing.mesh import Mesh, signed_areas
 from meshing.remesh import RemeshMap
-from meshing.triangulation import BoundaryCrossing
+from meshing.triangulation import BoundaryCrossing, TriangulationFailed
 from pfemcut.fem.distribution import DistributedMesh
-from pfemcut.fem.heat_system import HeatKernels
+from pfemcut.fem.heat_system import HeatKernels, HeatSolveFailed
 from pfemcut.fem.momentum_system import MomentumKernels
 from pfemcut.materials.material import Material
 from pfemcut.materials.return_mapping import ReturnMappingFailed
@@ -96,11 +96,11 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
     """
     # Box 1: the particles are where the last step moved them; remove, insert, triangulate, transfer.
     mesh, fields, remesh_map = _particle_step(problem, state, watch)
-    step = min(state.clock.next_dt, problem.time.end - state.clock.time)
+    wished = step = _step_length(problem, state.clock)
     cuts = 0
+    with watch.phase("mesh"):
+        distributed = DistributedMesh(kernels.comm, mesh.points, mesh.cells, kernels.momentum.domain)
     while True:
-        with watch.phase("mesh"):
-            distributed = DistributedMesh(kernels.comm, mesh.points, mesh.cells, kernels.momentum.domain)
         # Box 4, steps 1 and 2: contact search and momentum, with the extrapolated multiplier.
         try:
             with watch.phase("momentum"):
@@ -122,24 +122,27 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
         except (StepFailed, ReturnMappingFailed) as failure:
             step, cuts = 0.5 * step, cuts + 1
             if step < problem.time.smallest_step_fraction * problem.time.step:
-                raise RunStopped(_why(problem, state, mesh, fields, step, failure)) from failure
+                raise RunStopped(_why(state, mesh, fields, step, failure)) from failure
     # Box 4, step 3: heat on the updated configuration.
     with watch.phase("heat"):
         moved = replace(mesh, points=mesh.points + motion.displacement)
         distributed.move(moved.points)
-        power = _plastic_power(problem, fields, motion, plastic, step)
-        heating = solve_heat(
-            problem,
-            kernels.heat,
-            distributed,
-            moved,
-            fields.temperature,
-            motion.volume_ratio,
-            _heating_power(problem, motion, plastic, power, step),
-            motion.contact,
-            state.clock.time + step,
-            step,
-        )
+        power = _plastic_power(motion, plastic, step)
+        try:
+            heating = solve_heat(
+                problem,
+                kernels.heat,
+                distributed,
+                moved,
+                fields.temperature,
+                motion.volume_ratio,
+                _heating_power(problem, motion, plastic, power, step),
+                motion.contact,
+                state.clock.time + step,
+                step,
+            )
+        except HeatSolveFailed as failure:
+            raise RunStopped(_why(state, mesh, fields, step, failure)) from failure
     with watch.phase("ledger"):
         new_fields = Fields(
             temperature=fields.temperature + heating.increment,
@@ -161,7 +164,10 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
         step=state.clock.step + 1,
         time=state.clock.time + step,
         last_dt=step,
-        next_dt=min(problem.time.growth * step, problem.time.step),
+        # A step shortened only to end on time does not shorten those after a resumption.
+        next_dt=min(
+            problem.time.growth * (step if step < wished else state.clock.next_dt), problem.time.step
+        ),
     )
     new_state = replace(
         state,
@@ -175,6 +181,22 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
     return new_state, record
 
 
+def _step_length(problem: Problem, clock: Clock) -> float:
+    """The wished step, or what lies before the end in one or two equal steps: never a tiny last one.
+
+    Raises
+    ------
+    RunStopped
+        If the end is reached already.
+    """
+    remaining = problem.time.end - clock.time
+    if remaining <= 0.0:
+        raise RunStopped(f"step {clock.step + 1} would begin at the end of the run, t = {clock.time:.6g} s")
+    if remaining <= clock.next_dt * (1.0 + 1e-9):
+        return remaining
+    return min(clock.next_dt, 0.5 * remaining)
+
+
 def _particle_step(
     problem: Problem, state: State, watch: Stopwatch
 ) -> tuple[Mesh, Fields, tuple[RemeshMap, ...]]:
@@ -186,15 +208,18 @@ def _particle_step(
             mesh, remesh_map = remesh_particles(
                 problem, state.mesh, state.fields, state.clock.time, state.probes
             )
-        except BoundaryCrossing as crossing:
-            raise CutEnded(f"{problem.body.name} touches itself: {crossing}") from crossing
+        except (BoundaryCrossing, TriangulationFailed) as failure:
+            what = f"{problem.body.name} after step {state.clock.step}"
+            if isinstance(failure, BoundaryCrossing) and problem.cut:
+                raise CutEnded(f"{what} touches itself: {failure}") from failure
+            raise RunStopped(f"{what} can't be triangulated: {failure}") from failure
     with watch.phase("transfer"):
         fields = transfer_fields(state.fields, state.mesh, mesh, remesh_map, problem.particles.transfer)
         fields = carry_volume(problem, mesh, fields, remesh_map.unchanged)
     return mesh, fields, (remesh_map,)
 
 
-def _why(problem: Problem, state: State, mesh: Mesh, fields: Fields, step: float, failure: Exception) -> str:
+def _why(state: State, mesh: Mesh, fields: Fields, step: float, failure: Exception) -> str:
     speed = np.hypot(*(fields.last_displacement / state.clock.last_dt).T)
     x, y = mesh.points[int(np.argmax(speed))]
     return (
@@ -203,9 +228,7 @@ def _why(problem: Problem, state: State, mesh: Mesh, fields: Fields, step: float
     )
 
 
-def _plastic_power(
-    problem: Problem, fields: Fields, motion: Motion, plastic: PlasticUpdate, step: float
-) -> Array:
+def _plastic_power(motion: Motion, plastic: PlasticUpdate, step: float) -> Array:
     """Plastic power of the implicit state per current volume (mW/mm³); (m,)."""
     return plastic.flow_stress * plastic.eqps_increment / (motion.volume_ratio * step)
 

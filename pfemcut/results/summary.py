@@ -32,7 +32,6 @@ PACKAGES = {
     "petsc4py": "petsc4py",
     "numpy": "numpy",
     "scipy": "scipy",
-    "numba": "numba",
     "h5py": "h5py",
 }
 
