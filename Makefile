@@ -37,7 +37,8 @@ demo: $(READY)
 	@echo "figures  $(DEMO_OUT)/figures/"
 	@echo "report   $(DEMO_OUT)/report.html"
 
-# One BLAS thread: tests compare bit for bit, and small matrices gain nothing from more.
+# One BLAS thread: tests compare bit for bit, and small matrices gain nothing from more; on a busy machine threads that
+# wait for each other are many times slower.
 test validate bench: export OMP_NUM_THREADS := 1
 
 test: $(READY)
