@@ -39,7 +39,7 @@ demo: $(READY)
 
 # One BLAS thread: tests compare bit for bit, and small matrices gain nothing from more; on a busy machine threads that
 # wait for each other are many times slower.
-test validate bench: export OMP_NUM_THREADS := 1
+demo test validate bench: export OMP_NUM_THREADS := 1
 
 test: $(READY)
 	$(PYTHON) -m pytest -q -m "not slow" tests

@@ -54,8 +54,11 @@ def machine() -> dict[str, Any]:
 
 
 def _relative(word: str) -> str:
-    path = Path(word).resolve()
-    return str(path.relative_to(ROOT)) if path.exists() and path.is_relative_to(ROOT) else word
+    """``word``, as a path in the checkout or, outside of it, without the machine's folders."""
+    path = Path(word)
+    if path.exists() and path.resolve().is_relative_to(ROOT):
+        return str(path.resolve().relative_to(ROOT))
+    return path.name if path.is_absolute() else word
 
 
 def _processor() -> str:
