@@ -30,11 +30,6 @@ class DirectSolver:
         options["mat_mumps_icntl_14"] = self._WORKSPACE_PERCENT
         self._solver.setFromOptions()
 
-    @property
-    def ordering(self) -> int:
-        """MUMPS's number of the ordering that the last factorisation used; 0 is approximate minimum degree."""
-        return int(self._solver.getPC().getFactorMatrix().getMumpsInfog(7))
-
     def solve(self, right_hand_side: PETSc.Vec, solution: PETSc.Vec) -> bool:
         """Factorise the matrix as it is now and solve; false if the factorisation failed."""
         self._solver.solve(right_hand_side, solution)

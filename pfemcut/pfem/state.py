@@ -1,6 +1,6 @@
 """Everything the PFEM carries from step to step; each field is declared once.
 
-The declaration of a field (where it lives, unit, transfer rule) is read by the transfer and by the checkpoint.
+The declaration of a field (where it lives, unit, transfer rule) is read by the transfer; the checkpoint takes all fields.
 """
 
 from __future__ import annotations

@@ -147,8 +147,3 @@ FIGURES = (
     ),
     Definition("mass_drift", "Mass drift", "-", "Relative change of the integral of density.", Taken.LAST),
 )
-
-
-def definition_of(name: str) -> Definition:
-    """Return the definition of a figure."""
-    return next(item for item in FIGURES if item.name == name)

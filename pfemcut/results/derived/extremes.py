@@ -1,4 +1,4 @@
-"""Largest values of a frame and where they are: strain rate, plastic strain, temperature."""
+"""Largest values of a frame and where they are: strain rate, temperature."""
 
 from __future__ import annotations
 
@@ -15,11 +15,6 @@ from pfemcut.tools.rigid_wedge import RigidWedge
 def peak_strain_rate(frame: Frame) -> float:
     """Return the largest equivalent plastic strain rate (1/s) of the elements."""
     return _largest(frame, "equivalent_plastic_strain_rate")
-
-
-def largest_plastic_strain(frame: Frame) -> float:
-    """Return the largest equivalent plastic strain (-) of the elements."""
-    return _largest(frame, "equivalent_plastic_strain")
 
 
 def hottest_point(frame: Frame, tool: RigidWedge) -> tuple[float, float]:
