@@ -1,6 +1,7 @@
 """Everything the PFEM carries from step to step; each field is declared once.
 
-The declaration of a field (where it lives, unit, transfer rule) is read by the transfer; the checkpoint takes all fields.
+The declaration of a field (where it lives, unit, transfer rule) is read by the transfer; a checkpoint
+holds every field.
 """
 
 from __future__ import annotations
