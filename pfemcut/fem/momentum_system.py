@@ -9,11 +9,18 @@ from types import TracebackType
 import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
-from petsc4py import PETSc
 
 from pfemcut.fem import runtime
 from pfemcut.fem.direct_solver import DirectSolver
-from pfemcut.fem.distribution import CellSpace, DistributedMesh, NodalSpace
+from pfemcut.fem.element_kernels import (
+    Packing,
+    add_matrix,
+    add_vector,
+    corner_coordinates,
+    pack_corners,
+)
+from pfemcut.fem.partition import Partition
+from pfemcut.fem.sparsity import Sparsity, add_blocks, fix_unknowns
 from pfemcut.pfem.momentum import ELEMENT_COMPONENTS, MomentumSymbols, momentum_forms
 from pfemcut.timing import Stopwatch
 
@@ -21,20 +28,29 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
+COMPONENTS = 3  # unknowns of a particle: u_x, u_y, p
+
 
 class MomentumKernels:
-    """The forms and elements of the momentum equation, compiled once a run."""
+    """The forms of the momentum equation, compiled once a run."""
 
     def __init__(self, comm: MPI.Comm):
-        self.comm = comm
-        self.domain = runtime.coordinate_domain()
-        self.symbols = MomentumSymbols.on(self.domain)
-        residual, jacobian = momentum_forms(self.domain, self.symbols)
-        self.residual = tuple(runtime.CompiledForm(comm, part) for part in residual)
-        self.jacobian = tuple(runtime.CompiledForm(comm, part) for part in jacobian)
-        self.mixed = runtime.CompiledElement(comm, runtime.nodal_element(3))
-        self.scalar = runtime.CompiledElement(comm, runtime.nodal_element(1))
-        self.element = runtime.CompiledElement(comm, runtime.cell_element(ELEMENT_COMPONENTS))
+        domain = runtime.coordinate_domain()
+        symbols = self.symbols = MomentumSymbols.on(domain)
+        residual, jacobian = momentum_forms(domain, symbols)
+        corners = 3
+        self.packing = Packing(
+            {
+                symbols.unknown: corners * COMPONENTS,
+                symbols.thermal_strain: corners,
+                symbols.settled_pressure: corners,
+                symbols.element: ELEMENT_COMPONENTS,
+            }
+        )
+        self.residual, self.jacobian = (
+            tuple(self.packing.kernel(runtime.CompiledForm(comm, part)) for part in parts)
+            for parts in (residual, jacobian)
+        )
 
 
 @dataclass(frozen=True)
@@ -64,6 +80,17 @@ class NodalForces:
         """Forces that depend on the displacement of their own particle only; ``stiffness`` is (k, 2, 2)."""
         return NodalForces(particles, forces, particles, particles, stiffness)
 
+    def symmetric_part(self) -> NodalForces:
+        """The same forces with the symmetric part of their stiffness."""
+        transposed = np.swapaxes(self.stiffness, 1, 2)
+        return NodalForces(
+            self.particles,
+            self.forces,
+            np.concatenate([self.rows, self.columns]),
+            np.concatenate([self.columns, self.rows]),
+            0.5 * np.concatenate([self.stiffness, transposed]),
+        )
+
     @staticmethod
     def sum(parts: Sequence[NodalForces]) -> NodalForces:
         """All forces of ``parts`` together."""
@@ -79,14 +106,16 @@ class NodalForces:
 
 
 class MomentumSystem:
-    """Residual and linear solves on one mesh; use as a context manager, it owns PETSc objects.
+    """Residual and linear solves on one mesh; use as a context manager, it owns a PETSc solver.
 
     Parameters
     ----------
     kernels
         Compiled forms.
-    mesh
-        The configuration x_n.
+    partition
+        Shares of the ranks.
+    points
+        The configuration x_n (mm); shape (n, 2).
     fixed
         Unknowns (u_x, u_y, p) with prescribed increments; shape (n, 3).
     moduli
@@ -95,6 +124,9 @@ class MomentumSystem:
         3 alpha (theta - theta_0) on particles; shape (n,).
     settled_pressure
         What the stabilisation leaves out of the pressure (MPa); shape (n,).
+    symmetric
+        Whether to solve with the symmetric part of the tangent, which is cheaper. Without friction the tangent is
+        symmetric but for a few per cent, and Newton's method converges as fast.
     watch
         Times set-up, assembly and linear solves.
     """
@@ -102,58 +134,43 @@ class MomentumSystem:
     def __init__(
         self,
         kernels: MomentumKernels,
-        mesh: DistributedMesh,
+        partition: Partition,
+        points: Array,
         fixed: BoolArray,
         moduli: tuple[float, float, float],
         thermal_strain: Array,
         settled_pressure: Array,
+        symmetric: bool,
         watch: Stopwatch,
     ):
         self._watch = watch
+        self._kernels = kernels
+        self._partition = partition
         with watch.phase("system"):
-            self._set_up(kernels, mesh, fixed, moduli, thermal_strain, settled_pressure)
-
-    def _set_up(
-        self,
-        kernels: MomentumKernels,
-        mesh: DistributedMesh,
-        fixed: BoolArray,
-        moduli: tuple[float, float, float],
-        thermal_strain: Array,
-        settled_pressure: Array,
-    ) -> None:
-        symbols = kernels.symbols
-        self._count = len(fixed)
-        self._mixed = NodalSpace(mesh, kernels.mixed, 3)
-        self._global_nodes = self._mixed.global_nodes(self._count)
-        self._cells = CellSpace(mesh, kernels.element)
-        scalar = NodalSpace(mesh, kernels.scalar, 1)
-        self._unknown = runtime.new_function(self._mixed.cpp)
-        self._element = runtime.new_function(self._cells.cpp)
-        functions = {
-            symbols.unknown: self._unknown,
-            symbols.element: self._element,
-            symbols.thermal_strain: scalar.function(thermal_strain),
-            symbols.settled_pressure: scalar.function(settled_pressure),
-        }
-        constants = {
-            symbol: runtime.new_constant(value)
-            for symbol, value in zip(
-                (symbols.shear_modulus, symbols.bulk_modulus, symbols.stabilisation), moduli, strict=True
+            symbols, packing = kernels.symbols, kernels.packing
+            values = dict(
+                zip((symbols.shear_modulus, symbols.bulk_modulus, symbols.stabilisation), moduli, strict=True)
             )
-        }
-        space = self._mixed.cpp
-        self._residual = tuple(
-            part.bind(mesh.cpp, [space], functions, constants) for part in kernels.residual
-        )
-        self._jacobian = tuple(
-            part.bind(mesh.cpp, [space, space], functions, constants) for part in kernels.jacobian
-        )
-        self._fixed_rows = np.flatnonzero(fixed[self._mixed.particles].ravel()).astype(np.int32)
-        self._matrix = runtime.new_matrix(self._jacobian[0])
-        self._matrix.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
-        self._right, self._solution = self._matrix.createVecs()
-        self._solver = DirectSolver(self._matrix)
+            self._constants = {
+                kernel: np.array([values[symbol] for symbol in kernel.form.constants])
+                for kernel in (*kernels.residual, *kernels.jacobian)
+            }
+            self._coordinates = corner_coordinates(points, partition.corners)
+            self._data = np.empty((len(partition.elements), packing.width))
+            for symbol, field in (
+                (symbols.thermal_strain, thermal_strain),
+                (symbols.settled_pressure, settled_pressure),
+            ):
+                self._pack(symbol, field[:, None])
+            self._fixed = np.empty(fixed.shape, dtype=bool)
+            self._fixed[partition.number] = fixed
+            self._sparsity = Sparsity.of(partition)
+            self._pointers, self._columns = self._sparsity.scalar_rows(COMPONENTS)
+            self._values = np.zeros(len(self._columns))
+            self._symmetric = symmetric
+            self._solver = DirectSolver(
+                partition.comm, self._pointers, self._columns, self._values, symmetric=symmetric
+            )
 
     def __enter__(self) -> MomentumSystem:
         return self
@@ -165,18 +182,29 @@ class MomentumSystem:
         traceback: TracebackType | None,
     ) -> None:
         self._solver.destroy()
-        for owned in (self._right, self._solution, self._matrix):
-            owned.destroy()
 
     def internal_residual(self, unknown: Array, element: Array) -> Array:
         """The form's residual at ``unknown`` (n, 3) with ``element`` data (m, components); shape (n, 3)."""
+        partition = self._partition
         with self._watch.phase("assembly"):
-            self._mixed.load(self._unknown, unknown)
-            self._cells.load(self._element, element)
-            local = np.zeros(3 * len(self._mixed.particles))
-            for part in self._residual:
-                runtime.assemble_vector(local, part)
-            return self._accumulate(local)
+            self._pack(self._kernels.symbols.unknown, unknown)
+            self._data[:, self._kernels.packing.columns(self._kernels.symbols.element)] = element[
+                partition.elements
+            ]
+            total = np.zeros(COMPONENTS * partition.count)
+            for kernel in self._kernels.residual:
+                add_vector(
+                    kernel.address,
+                    kernel.columns,
+                    self._data,
+                    self._constants[kernel],
+                    self._coordinates,
+                    partition.cells,
+                    COMPONENTS,
+                    total,
+                )
+            own = total[COMPONENTS * partition.first : COMPONENTS * partition.last]
+            return partition.gather(own, COMPONENTS)
 
     def solve(self, residual: Array, nodal: NodalForces) -> tuple[Array, bool]:
         """Newton correction -K^-1 ``residual`` (n, 3) at the point of the last residual; fixed unknowns get none.
@@ -188,47 +216,47 @@ class MomentumSystem:
         solved
             Whether the factorisation succeeded.
         """
+        partition = self._partition
         with self._watch.phase("assembly"):
-            matrix = self._matrix
-            matrix.zeroEntries()
-            for part in self._jacobian:
-                runtime.assemble_matrix(matrix, part)
-            self._add_nodal_stiffness(nodal)
-            matrix.assemble()
-            owned_rows = self._fixed_rows[self._fixed_rows < 3 * self._mixed.owned]
-            matrix.zeroRowsColumnsLocal(owned_rows, 1.0)
+            self.assemble(nodal)
         with self._watch.phase("linear_solve"):
-            right = -residual[self._mixed.particles[: self._mixed.owned]].ravel()
-            right[owned_rows] = 0.0
-            self._right.array[:] = right
-            solved = self._solver.solve(self._right, self._solution)
-            return self._mixed.gather(self._solution.array_r, self._count), solved
+            right = np.empty((partition.count, COMPONENTS))
+            right[partition.number] = -residual
+            right[self._fixed] = 0.0
+            own, solved = self._solver.solve(right[partition.first : partition.last].ravel())
+            return partition.gather(own, COMPONENTS), solved
 
-    def _add_nodal_stiffness(self, nodal: NodalForces) -> None:
-        if len(nodal.rows) == 0:
-            return
-        node = self._global_nodes
-        first, last = self._matrix.getOwnershipRange()
-        mine = (3 * node[nodal.rows] >= first) & (3 * node[nodal.rows] < last)
-        rows = (3 * node[nodal.rows[mine]][:, None] + np.arange(2)).astype(np.int32)
-        columns = (3 * node[nodal.columns[mine]][:, None] + np.arange(2)).astype(np.int32)
-        self._matrix.setValuesIJV(
-            np.arange(0, 2 * rows.size + 1, 2, dtype=np.int32),
-            np.repeat(columns, 2, axis=0).ravel(),
-            nodal.stiffness[mine].ravel(),
-            addv=PETSc.InsertMode.ADD_VALUES,
-            rowmap=rows.ravel(),
+    def assemble(self, nodal: NodalForces) -> None:
+        """Put the tangent at the point of the last residual, with the stiffness of ``nodal``, into the matrix."""
+        partition, sparsity = self._partition, self._sparsity
+        self._values[:] = 0.0
+        for kernel in self._kernels.jacobian:
+            add_matrix(
+                kernel.address,
+                kernel.columns,
+                self._data,
+                self._constants[kernel],
+                self._coordinates,
+                partition.cells,
+                COMPONENTS,
+                self._symmetric,
+                sparsity.first,
+                sparsity.starts,
+                sparsity.places,
+                self._values,
+            )
+        if self._symmetric:
+            nodal = nodal.symmetric_part()
+        rows, columns = partition.number[nodal.rows], partition.number[nodal.columns]
+        mine = (partition.first <= rows) & (rows < partition.last)
+        rows, columns = rows[mine], columns[mine]
+        blocks = sparsity.blocks(rows, columns)
+        stiffness = nodal.stiffness[mine]
+        add_blocks(sparsity.starts, self._values, COMPONENTS, blocks, rows - partition.first, stiffness)
+        fix_unknowns(
+            self._pointers, self._columns, self._values, self._fixed.ravel(), COMPONENTS * partition.first
         )
 
-    def _accumulate(self, local: Array) -> Array:
-        """Sum of all ranks' local contributions, ghosts included, on every rank; shape (n, 3)."""
-        total = np.zeros((self._count, 3))
-        total[self._mixed.particles] = local.reshape(-1, 3)
-        comm = self._matrix.getComm().tompi4py()
-        if comm.size > 1:
-            # Not Allreduce, whose result may differ in the last bit between ranks: every rank decides on these bits.
-            summed = np.empty_like(total)
-            comm.Reduce(total, summed, op=MPI.SUM, root=0)
-            comm.Bcast(summed, root=0)
-            return summed
-        return total
+    def _pack(self, symbol: object, values: Array) -> None:
+        column = self._kernels.packing.columns(symbol).start
+        pack_corners(self._data, column, np.ascontiguousarray(values), self._partition.corners)

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from meshing.mesh import Mesh, signed_areas
 from pfemcut.contact.penalty import ContactForces, contact_forces, facing_lengths
-from pfemcut.fem.distribution import DistributedMesh
 from pfemcut.fem.momentum_system import MomentumKernels, MomentumSystem, NodalForces
+from pfemcut.fem.partition import Partition
 from pfemcut.materials.material import Material
 from pfemcut.materials.return_mapping import (
     Multiplier,
@@ -138,7 +138,7 @@ def prescribed_increments(
 def solve_motion(
     problem: Problem,
     kernels: MomentumKernels,
-    distributed: DistributedMesh,
+    partition: Partition,
     mesh: Mesh,
     fields: Fields,
     *,
@@ -234,7 +234,10 @@ def solve_motion(
     incremental = problem.particles.volumetric_history is VolumetricHistory.INCREMENT
     settled = fields.pressure if incremental else np.zeros(count)
     size = np.sqrt(lumped(areas, cells, count))
-    with MomentumSystem(kernels, distributed, fixed, moduli, strain, settled, watch) as system:
+    frictionless = problem.contact.friction == 0.0
+    with MomentumSystem(
+        kernels, partition, mesh.points, fixed, moduli, strain, settled, frictionless, watch
+    ) as system:
         solution = solve_momentum(
             system,
             linearise,

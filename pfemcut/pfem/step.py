@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from meshing.mesh import Mesh, signed_areas
 from meshing.remesh import RemeshMap
 from meshing.triangulation import BoundaryCrossing, TriangulationFailed
-from pfemcut.fem.distribution import DistributedMesh
 from pfemcut.fem.heat_system import HeatKernels, HeatSolveFailed
 from pfemcut.fem.momentum_system import MomentumKernels
+from pfemcut.fem.partition import Partition
 from pfemcut.materials.material import Material
 from pfemcut.materials.return_mapping import ReturnMappingFailed
 from pfemcut.method import CutEnded, RunStopped
@@ -99,7 +99,7 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
     wished = step = _step_length(problem, state.clock)
     cuts = 0
     with watch.phase("mesh"):
-        distributed = DistributedMesh(kernels.comm, mesh.points, mesh.cells, kernels.momentum.domain)
+        partition = Partition(kernels.comm, mesh.points, mesh.cells)
     while True:
         # Box 4, steps 1 and 2: contact search and momentum, with the extrapolated multiplier.
         try:
@@ -107,7 +107,7 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
                 motion = solve_motion(
                     problem,
                     kernels.momentum,
-                    distributed,
+                    partition,
                     mesh,
                     fields,
                     start_time=state.clock.time,
@@ -126,13 +126,12 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
     # Box 4, step 3: heat on the updated configuration.
     with watch.phase("heat"):
         moved = replace(mesh, points=mesh.points + motion.displacement)
-        distributed.move(moved.points)
         power = _plastic_power(motion, plastic, step)
         try:
             heating = solve_heat(
                 problem,
                 kernels.heat,
-                distributed,
+                partition,
                 moved,
                 fields.temperature,
                 motion.volume_ratio,

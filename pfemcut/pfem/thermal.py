@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshing.mesh import Mesh, signed_areas
-from pfemcut.fem.distribution import DistributedMesh
 from pfemcut.fem.heat_system import HeatKernels, solve_temperature_increment
+from pfemcut.fem.partition import Partition
 from pfemcut.pfem.kinematics import element_mean, lumped, tributary_lengths
 from pfemcut.pfem.loads import part_edges, part_particles
 from pfemcut.pfem.mechanics import ContactResult
@@ -47,7 +47,7 @@ def heat_capacity(problem: Problem, mesh: Mesh, temperature: Array, volume_ratio
 def solve_heat(
     problem: Problem,
     kernels: HeatKernels,
-    distributed: DistributedMesh,
+    partition: Partition,
     mesh: Mesh,
     temperature: Array,
     volume_ratio: Array,
@@ -89,7 +89,8 @@ def solve_heat(
         fixed_increment[particles] = condition.temperature(time) - temperature[particles]
     increment = solve_temperature_increment(
         kernels,
-        distributed,
+        partition,
+        mesh.points,
         temperature,
         capacity,
         lumped_capacity,
