@@ -59,14 +59,19 @@ class DirectSolver:
 
     def solve(self, right_hand_side: Array) -> tuple[Array, bool]:
         """Factorise the matrix as its values are now and solve, for this rank's rows; false if that failed."""
+        self.update()
+        self._right.array[:] = right_hand_side
+        self._solver.solve(self._right, self._solution)
+        return self._solution.array_r.copy(), self._solver.getConvergedReason() > 0
+
+    def update(self) -> PETSc.Mat:
+        """The matrix, with its values as they are now."""
         if self.matrix.getComm().size == 1:
             self.matrix.stateIncrease()
         else:
             self.matrix.setValuesCSR(*self._rows)
             self.matrix.assemble()
-        self._right.array[:] = right_hand_side
-        self._solver.solve(self._right, self._solution)
-        return self._solution.array_r.copy(), self._solver.getConvergedReason() > 0
+        return self.matrix
 
     def destroy(self) -> None:
         """Free the PETSc objects."""

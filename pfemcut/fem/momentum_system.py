@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from types import TracebackType
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from pfemcut.fem import runtime
 from pfemcut.fem.direct_solver import DirectSolver
 from pfemcut.fem.element_kernels import (
+    ElementKernel,
     Packing,
     add_matrix,
     add_vector,
@@ -168,6 +170,9 @@ class MomentumSystem:
             self._pointers, self._columns = self._sparsity.scalar_rows(COMPONENTS)
             self._values = np.zeros(len(self._columns))
             self._symmetric = symmetric
+            # The projection is linear in the pressure: its matrix stays.
+            self._projection = self._values.copy()
+            self._add(kernels.jacobian[1], self._projection)
             self._solver = DirectSolver(
                 partition.comm, self._pointers, self._columns, self._values, symmetric=symmetric
             )
@@ -229,22 +234,8 @@ class MomentumSystem:
     def assemble(self, nodal: NodalForces) -> None:
         """Put the tangent at the point of the last residual, with the stiffness of ``nodal``, into the matrix."""
         partition, sparsity = self._partition, self._sparsity
-        self._values[:] = 0.0
-        for kernel in self._kernels.jacobian:
-            add_matrix(
-                kernel.address,
-                kernel.columns,
-                self._data,
-                self._constants[kernel],
-                self._coordinates,
-                partition.cells,
-                COMPONENTS,
-                self._symmetric,
-                sparsity.first,
-                sparsity.starts,
-                sparsity.places,
-                self._values,
-            )
+        self._values[:] = self._projection
+        self._add(self._kernels.jacobian[0], self._values)
         if self._symmetric:
             nodal = nodal.symmetric_part()
         rows, columns = partition.number[nodal.rows], partition.number[nodal.columns]
@@ -255,6 +246,27 @@ class MomentumSystem:
         add_blocks(sparsity.starts, self._values, COMPONENTS, blocks, rows - partition.first, stiffness)
         fix_unknowns(
             self._pointers, self._columns, self._values, self._fixed.ravel(), COMPONENTS * partition.first
+        )
+
+    def matrix(self) -> Any:
+        """The PETSc matrix of the last :meth:`assemble`, which this object keeps."""
+        return self._solver.update()
+
+    def _add(self, kernel: ElementKernel, values: Array) -> None:
+        sparsity = self._sparsity
+        add_matrix(
+            kernel.address,
+            kernel.columns,
+            self._data,
+            self._constants[kernel],
+            self._coordinates,
+            self._partition.cells,
+            COMPONENTS,
+            self._symmetric,
+            sparsity.first,
+            sparsity.starts,
+            sparsity.places,
+            values,
         )
 
     def _pack(self, symbol: object, values: Array) -> None:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from meshing.mesh import Mesh, signed_areas
 from meshing.remesh import RemeshMap
 from meshing.triangulation import BoundaryCrossing, TriangulationFailed
+from pfemcut.allocator import keep_freed_memory
 from pfemcut.fem.heat_system import HeatKernels, HeatSolveFailed
 from pfemcut.fem.momentum_system import MomentumKernels
 from pfemcut.fem.partition import Partition
@@ -50,6 +51,7 @@ class Kernels:
     """Compiled forms of a run."""
 
     def __init__(self, comm: MPI.Comm):
+        keep_freed_memory()
         self.comm = comm
         self.momentum = MomentumKernels(comm)
         self.heat = HeatKernels(comm)
