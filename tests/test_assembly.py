@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-import dolfinx.fem.petsc
 from dolfinx import fem
+from dolfinx.fem.petsc import assemble_matrix, create_matrix
 from dolfinx.mesh import create_mesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -62,8 +62,8 @@ def dolfinx_assembly(values: Sequence[Array], constants: Sequence[float]) -> tup
         vector[numbering] += fem.assemble_vector(fem.form(part)).array
     for part in jacobian:
         form = fem.form(part)
-        found = fem.petsc.create_matrix(form)
-        fem.petsc.assemble_matrix(found, form)
+        found = create_matrix(form)
+        assemble_matrix(found, form)
         found.assemble()
         matrix[np.ix_(numbering, numbering)] += found[:, :]
         found.destroy()
