@@ -64,6 +64,8 @@ def time_controls(time: Time, end: float) -> TimeControls:
     """Time stepping until ``end`` (s)."""
     return TimeControls(
         step=time.step,
+        largest_step=time.step if time.largest_step is None else time.largest_step,
+        step_tolerance=time.step_tolerance,
         end=end,
         first_step_fraction=time.first_step_fraction,
         growth=time.growth,

@@ -130,6 +130,17 @@ class Time(Section):
     """Time steps and integrator."""
 
     step: float = Field(gt=0, description="Nominal time step (s)")
+    largest_step: float | None = Field(
+        default=None,
+        gt=0,
+        description="Steps grow up to this where plastic flow allows it (s); the nominal step unless given",
+    )
+    step_tolerance: float = Field(
+        default=0.1,
+        gt=0,
+        le=1,
+        description="Part of the plastic power that a step longer than the nominal one may move between elements",
+    )
     integrator: Literal["impl-ex", "implicit"] = Field(
         default="impl-ex", description="Integrator of the plastic flow in the momentum solve"
     )
@@ -144,6 +155,14 @@ class Time(Section):
     smallest_step_fraction: float = Field(
         default=1e-3, gt=0, le=1, description="A run that needs a smaller fraction of the nominal step stops"
     )
+
+    @model_validator(mode="after")
+    def _largest_is_not_below_nominal(self) -> Self:
+        if self.largest_step is not None and self.largest_step < self.step:
+            raise ValueError(
+                f"largest_step: given {self.largest_step:g}, must be at least step = {self.step:g} (s)"
+            )
+        return self
 
 
 class Solver(Section):

@@ -141,6 +141,7 @@ def solve_motion(
     partition: Partition,
     mesh: Mesh,
     fields: Fields,
+    guess: Array,
     *,
     start_time: float,
     step: float,
@@ -148,6 +149,8 @@ def solve_motion(
     watch: Stopwatch,
 ) -> Motion:
     """Contact search and momentum solve over ``step`` (s) from the configuration of ``mesh``.
+
+    The iteration starts at ``guess`` (n, 3), displacement and pressure.
 
     Raises
     ------
@@ -222,7 +225,7 @@ def solve_motion(
         return Linearisation(element, nodal, float(trial.jacobian.min()))
 
     fixed, value = prescribed_increments(problem, mesh, fields.displacement, start_time, step)
-    start = np.column_stack([fields.last_displacement * (step / last_step), fields.pressure])
+    start = guess.copy()
     start[fixed] = value[fixed]
     yield_stress = float(
         material.hardening.flow_stress(np.zeros(1), np.zeros(1), np.array([problem.body.temperature])).value[

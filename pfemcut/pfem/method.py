@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 
 _ROOT_2_3 = np.sqrt(2.0 / 3.0)
 _ROOT_3_2 = np.sqrt(1.5)
-_NO_STEP = StepRecord(np.zeros(2), 0, 0, 0, 0, 0, 0.0, np.zeros((0, 3)))
+_NO_STEP = StepRecord(np.zeros(2), 0, 0, 0, 0, 0, 0.0, 0.0, np.zeros((0, 3)))
 
 
 class PfemMethod:
@@ -132,6 +132,7 @@ class PfemMethod:
             "newton_iterations": record.newton_iterations,
             "step_cuts": ledger.step_cuts,
             "plastic_power": record.plastic_power,
+            "flow_change": record.flow_change,
             "thermoelastic_work": ledger.thermoelastic,
             "contact_energy": ledger.contact,
             "remeshing_energy": ledger.remeshing,

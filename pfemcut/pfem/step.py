@@ -24,7 +24,9 @@ from pfemcut.pfem.loads import nodal_loads, part_particles
 from pfemcut.pfem.mechanics import Motion, PlasticUpdate, solve_motion, thermal_strain, update_plasticity
 from pfemcut.pfem.newton import StepFailed
 from pfemcut.pfem.particles import remesh_particles
+from pfemcut.pfem.prediction import predict
 from pfemcut.pfem.state import Clock, Fields, Ledger, State
+from pfemcut.pfem.step_size import flow_change, next_step
 from pfemcut.pfem.thermal import Heating, solve_heat
 from pfemcut.pfem.transfer import carry_volume, transfer_fields
 from pfemcut.problem import HeatSource, Problem
@@ -71,6 +73,8 @@ class StepRecord:
         Linear solves of the momentum equation.
     plastic_power
         Total (mW/mm).
+    flow_change
+        Part of the plastic power that the step moved, see :mod:`pfemcut.pfem.step_size`.
     reactions
         Of the support on the body for each prescribed motion, along its axis: force (N/mm), and its moments with the
         initial distances from the motion's centre in x and y (N); (motions, 3).
@@ -83,6 +87,7 @@ class StepRecord:
     outside: int
     newton_iterations: int
     plastic_power: float
+    flow_change: float
     reactions: Array
 
 
@@ -112,6 +117,7 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
                     partition,
                     mesh,
                     fields,
+                    predict(problem, state, mesh, fields, step),
                     start_time=state.clock.time,
                     step=step,
                     last_step=state.clock.last_dt,
@@ -158,7 +164,7 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
             plastic_power=power,
         )
         record, ledger = _record(
-            problem, state, mesh, fields, moved, motion, power, heating, remesh_map, step
+            problem, state, mesh, fields, moved, motion, plastic, power, heating, remesh_map, step
         )
         ledger = ledger.plus(step_cuts=cuts, **_remeshing_amounts(problem, state, mesh, fields, remesh_map))
     clock = Clock(
@@ -166,8 +172,10 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
         time=state.clock.time + step,
         last_dt=step,
         # A step shortened only to end on time does not shorten those after a resumption.
-        next_dt=min(
-            problem.time.growth * (step if step < wished else state.clock.next_dt), problem.time.step
+        next_dt=(
+            state.clock.next_dt
+            if wished < state.clock.next_dt
+            else next_step(problem.time, step, record.flow_change, motion.iterations, problem.newton)
         ),
     )
     new_state = replace(
@@ -250,6 +258,7 @@ def _record(
     fields: Fields,
     moved: Mesh,
     motion: Motion,
+    plastic: PlasticUpdate,
     power: Array,
     heating: Heating,
     remesh_map: tuple[RemeshMap, ...],
@@ -293,6 +302,9 @@ def _record(
         outside=sum(each.outside for each in remesh_map),
         newton_iterations=motion.iterations,
         plastic_power=total_power,
+        flow_change=flow_change(
+            fields.multiplier_rate, plastic.multiplier_rate, plastic.flow_stress * areas / motion.volume_ratio
+        ),
         reactions=reactions,
     )
     return record, ledger

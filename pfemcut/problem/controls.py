@@ -140,6 +140,10 @@ class TimeControls:
     ----------
     step
         Nominal step (s).
+    largest_step
+        Where plastic flow changes little, steps grow up to this (s).
+    step_tolerance
+        Part of the plastic power that such a step may move, see :mod:`pfemcut.pfem.step_size`.
     end
         Final time (s).
     first_step_fraction
@@ -155,6 +159,8 @@ class TimeControls:
     """
 
     step: float
+    largest_step: float
+    step_tolerance: float
     end: float
     first_step_fraction: float
     growth: float
