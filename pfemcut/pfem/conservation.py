@@ -1,0 +1,234 @@
+"""A remesh that loses no heat: temperatures are corrected where it changed elements.
+
+Particles are inserted, removed and joined anew, so a field on particles with lumped masses changes its integral.
+Each patch of changed elements gets back what it lost, by moving its particles towards a bound among their neighbours:
+in proportion to the distance from it, so no value passes the extremes of its patch (the limiting idea of
+flux-corrected transport: Zalesak, J. Comput. Phys. 31, 1979).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+from meshing.mesh import Mesh, signed_areas
+from meshing.remesh import RemeshMap
+from pfemcut.materials.enthalpy import specific_enthalpy, temperature_at
+from pfemcut.pfem.kinematics import element_mean, lumped
+from pfemcut.pfem.loads import part_particles
+from pfemcut.pfem.mechanics import thermal_strain
+from pfemcut.pfem.state import Fields
+from pfemcut.pfem.transfer import carry_volume, follows_pressure, grouped
+from pfemcut.problem import Problem
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+@dataclass(frozen=True)
+class Patches:
+    """Connected sets of elements that a remesh changed, or whose particles it shifted.
+
+    Attributes
+    ----------
+    old, new
+        Elements of the old and of the new mesh that lie in patches; shapes (j,) and (i,).
+    old_patch, new_patch
+        Patch of each; same shapes.
+    particles, patch
+        Particles of the new mesh in patches, and the patch of each; shape (k,).
+    count
+        Number of patches.
+    """
+
+    old: IntArray
+    new: IntArray
+    old_patch: IntArray
+    new_patch: IntArray
+    particles: IntArray
+    patch: IntArray
+    count: int
+
+
+def changed_patches(old: Mesh, new: Mesh, remesh_map: RemeshMap) -> Patches:
+    """The patches of a remesh; elements that share a particle, before or after it, belong to one."""
+    kept, unchanged = remesh_map.kept, remesh_map.unchanged
+    touched = ~unchanged
+    shifted = np.zeros(len(new.points), dtype=bool)
+    shifted[: len(kept)] = (new.points[: len(kept)] != old.points[kept]).any(axis=1)
+    if shifted.any():
+        touched |= shifted[new.cells].any(axis=1)
+    in_new = np.flatnonzero(touched)
+    in_old = np.concatenate(
+        [remesh_map.vanished(len(old.cells)), remesh_map.cells[np.flatnonzero(touched & unchanged)]]
+    )
+    # Old particles take their new numbers; removed ones follow.
+    number = len(new.points) + np.arange(len(old.points))
+    number[kept] = np.arange(len(kept))
+    corners = np.vstack([number[old.cells[in_old]], new.cells[in_new]])
+    particles, local = np.unique(corners, return_inverse=True)
+    local = local.reshape(-1, 3)
+    links = local[:, [0, 1, 1, 2]].reshape(-1, 2)
+    joins = coo_matrix((np.ones(len(links)), links.T), shape=(len(particles), len(particles)))
+    count, label = connected_components(joins, directed=False)
+    label = label.astype(np.int64)
+    alive = particles < len(new.points)
+    return Patches(
+        in_old,
+        in_new,
+        label[local[: len(in_old), 0]],
+        label[local[len(in_old) :, 0]],
+        particles[alive],
+        label[alive],
+        int(count),
+    )
+
+
+def conserve(
+    patches: Patches,
+    old: Mesh,
+    old_mass: Array,
+    old_values: Array,
+    new: Mesh,
+    new_mass: Array,
+    new_values: Array,
+    weight: Array,
+) -> Array:
+    """``new_values`` with their integral over the ``patches`` that of ``old_values``, as far as bounds allow.
+
+    1. Each patch gets back its mean: what the new triangles and particles changed. If they also changed its mass, as
+       where the boundary was edited, the mean is kept and the integral follows the mass.
+    2. What all patches then lack or have too much, because mass moved between places of different values, is shared
+       among those whose mass changed.
+
+    Both move particles towards the extreme among those that they share a changed element with; if that is not
+    enough, towards the extreme of the patch, before or after the remesh. What is left stays missing.
+
+    Parameters
+    ----------
+    patches
+        Of the remesh.
+    old, old_mass, old_values
+        Old mesh, masses of its elements (m,), values on its particles (n,).
+    new, new_mass, new_values
+        Likewise for the new mesh.
+    weight
+        What one more of the value adds to the integral, at each particle of the new mesh: its mass, or zero where the
+        value is prescribed; shape (n,).
+
+    Returns
+    -------
+    values
+        On the particles of the new mesh; shape (n,).
+    """
+    if not patches.count:
+        return new_values
+
+    def per_patch(which: IntArray, amounts: Array) -> Array:
+        return np.bincount(which, amounts, minlength=patches.count)
+
+    corners_old, corners_new = old_values[old.cells[patches.old]], new_values[new.cells[patches.new]]
+    mass_before = per_patch(patches.old_patch, old_mass[patches.old])
+    mass_after = per_patch(patches.new_patch, new_mass[patches.new])
+    before = per_patch(patches.old_patch, old_mass[patches.old] * corners_old.mean(axis=1))
+    after = per_patch(patches.new_patch, new_mass[patches.new] * corners_new.mean(axis=1))
+
+    bounds = _bounds(patches, new, new_values, corners_old, corners_new)
+    gain = weight[patches.particles]
+    growth = np.divide(mass_after, mass_before, out=np.zeros(patches.count), where=mass_before > 0.0)
+    values = new_values[patches.particles]
+    values, left = _towards(values, gain, patches, before * growth - after, bounds)
+    # What went with the mass.
+    moved = float(np.sum(before - before * growth) + left.sum())
+    exchange = np.abs(mass_after - mass_before)
+    if exchange.any():
+        values, _ = _towards(values, gain, patches, moved * exchange / exchange.sum(), bounds)
+    restored = new_values.copy()
+    restored[patches.particles] = values
+    return restored
+
+
+def _bounds(
+    patches: Patches, new: Mesh, new_values: Array, corners_old: Array, corners_new: Array
+) -> tuple[tuple[Array, Array], ...]:
+    """Least and largest value allowed for each particle of the patches: among neighbours, and in the patch."""
+    found = []
+    local = np.searchsorted(patches.particles, new.cells[patches.new])
+    for operation, extreme in ((np.minimum, np.min), (np.maximum, np.max)):
+        start = new_values[patches.particles]
+        around = np.repeat(extreme(corners_new, axis=1), 3)
+        near = grouped(operation, start[:, None], local.ravel(), around[:, None])[:, 0]
+        whole = np.full(patches.count, -np.inf if operation is np.maximum else np.inf)[:, None]
+        whole = grouped(operation, whole, patches.patch, start[:, None])
+        whole = grouped(operation, whole, patches.old_patch, extreme(corners_old, axis=1)[:, None])
+        found.append((near, whole[patches.patch, 0]))
+    (near_low, low), (near_high, high) = found
+    return (near_low, near_high), (low, high)
+
+
+def _towards(
+    values: Array, gain: Array, patches: Patches, amount: Array, bounds: tuple[tuple[Array, Array], ...]
+) -> tuple[Array, Array]:
+    """``values`` (k,) moved towards their bounds to add ``amount`` to each patch, and the amounts left."""
+    for low, high in bounds:
+        bound = np.where(amount[patches.patch] > 0.0, high, low)
+        # A correction towards the bound of the patch may have passed the one among the neighbours.
+        room = np.where((gain > 0.0) & ((bound - values) * amount[patches.patch] > 0.0), bound - values, 0.0)
+        capacity = np.bincount(patches.patch, gain * room, minlength=patches.count)
+        share = np.divide(amount, capacity, out=np.zeros(patches.count), where=capacity != 0.0)
+        share = np.minimum(share, 1.0)
+        values = values + share[patches.patch] * room
+        amount = amount - share * capacity
+    return values, amount
+
+
+def restore_heat(
+    problem: Problem, old: Mesh, before: Fields, new: Mesh, after: Fields, remesh_map: RemeshMap
+) -> Fields:
+    """``after`` with the temperature corrected so that the remesh leaves the heat content of its patches.
+
+    The content is int rho_0 / J (int c dtheta) dV with lumped masses. The temperature of the last momentum solve is
+    shifted by as much, and J follows it where J comes from pressure: else the next step would expand a particle by a
+    correction that is no heating.
+
+    Parameters
+    ----------
+    problem
+        Material, and particles with prescribed temperature, which keep theirs.
+    old, before
+        The old mesh and its fields.
+    new, after
+        The new mesh and the fields transferred to it, J included.
+    remesh_map
+        Of the remesh.
+    """
+    material, start = problem.body.material, problem.body.temperature
+    patches = changed_patches(old, new, remesh_map)
+    old_volume = signed_areas(old.points, old.cells) / before.volume_ratio
+    new_volume = signed_areas(new.points, new.cells) / after.volume_ratio
+    old_enthalpy = specific_enthalpy(material.capacity, before.temperature, start)
+    new_enthalpy = specific_enthalpy(material.capacity, after.temperature, start)
+    # A kelvin more expands elements whose J follows it, which takes mass and its heat away.
+    expanding = follows_pressure(problem, remesh_map.unchanged) * new_volume * element_mean(new_enthalpy, new.cells)
+    strain_rate = thermal_strain(material, after.momentum_temperature + 1.0)
+    strain_rate -= thermal_strain(material, after.momentum_temperature)
+    volume, expansion = (lumped(each, new.cells, len(new.points)) for each in (new_volume, expanding))
+    weight = volume - expansion * strain_rate / material.capacity(after.temperature)
+    for condition in problem.temperatures:
+        weight[part_particles(problem, new, condition.part)] = 0.0
+
+    wanted = conserve(patches, old, old_volume, old_enthalpy, new, new_volume, new_enthalpy, weight)
+    some = patches.particles
+    change = np.zeros(len(new.points))
+    change[some] = temperature_at(material.capacity, wanted[some], start, after.temperature[some])
+    change[some] -= after.temperature[some]
+    corrected = replace(
+        after,
+        temperature=after.temperature + change,
+        momentum_temperature=after.momentum_temperature + change,
+    )
+    around = np.flatnonzero((change != 0.0)[new.cells].any(axis=1))
+    return carry_volume(problem, new, corrected, remesh_map.unchanged, around)
