@@ -1,9 +1,7 @@
 """A remesh that loses no heat: temperatures are corrected where it changed elements.
 
 Particles are inserted, removed and joined anew, so a field on particles with lumped masses changes its integral.
-Each patch of changed elements gets back what it lost, by moving its particles towards a bound among their neighbours:
-in proportion to the distance from it, so no value passes the extremes of its patch (the limiting idea of
-flux-corrected transport: Zalesak, J. Comput. Phys. 31, 1979).
+Each patch of changed elements gets back what it lost by an equal shift of its particles, within bounds.
 """
 
 from __future__ import annotations
@@ -27,6 +25,12 @@ from pfemcut.problem import Problem
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+
+_ROUNDS = 3  # of an equal shift, before what is left goes where there is room
+_OVERSHOOT = (
+    0.02  # beyond the extremes of a patch, of their distance: without it corrections of both signs wear peaks
+)
+
 
 @dataclass(frozen=True)
 class Patches:
@@ -102,10 +106,11 @@ def conserve(
     1. Each patch gets back its mean: what the new triangles and particles changed. If they also changed its mass, as
        where the boundary was edited, the mean is kept and the integral follows the mass.
     2. What all patches then lack or have too much, because mass moved between places of different values, is shared
-       among those whose mass changed.
+       among those whose mass changed; what they have no room for, among all.
 
-    Both move particles towards the extreme among those that they share a changed element with; if that is not
-    enough, towards the extreme of the patch, before or after the remesh. What is left stays missing.
+    A patch shifts its particles by the same amount, which changes them least. No value passes the extremes of its
+    patch, before and after the remesh, by more than 2 % of their distance, nor the body's before it; what can't be
+    placed so stays missing.
 
     Parameters
     ----------
@@ -128,7 +133,8 @@ def conserve(
         return new_values
 
     def per_patch(which: IntArray, amounts: Array) -> Array:
-        return np.bincount(which, amounts, minlength=patches.count)
+        total = np.bincount(which, amounts, minlength=patches.count)
+        return total.astype(np.float64, copy=False)
 
     corners_old, corners_new = old_values[old.cells[patches.old]], new_values[new.cells[patches.new]]
     mass_before = per_patch(patches.old_patch, old_mass[patches.old])
@@ -136,52 +142,60 @@ def conserve(
     before = per_patch(patches.old_patch, old_mass[patches.old] * corners_old.mean(axis=1))
     after = per_patch(patches.new_patch, new_mass[patches.new] * corners_new.mean(axis=1))
 
-    bounds = _bounds(patches, new, new_values, corners_old, corners_new)
     gain = weight[patches.particles]
     growth = np.divide(mass_after, mass_before, out=np.zeros(patches.count), where=mass_before > 0.0)
     values = new_values[patches.particles]
-    values, left = _towards(values, gain, patches, before * growth - after, bounds)
+    low, high = _extremes(patches, values, corners_old)
+    bounds = np.maximum(low, old_values.min()), np.minimum(high, old_values.max())
+    values, left = _shifted(values, gain, patches.patch, before * growth - after, bounds)
     # What went with the mass.
     moved = float(np.sum(before - before * growth) + left.sum())
     exchange = np.abs(mass_after - mass_before)
+    left = np.array([moved])
     if exchange.any():
-        values, _ = _towards(values, gain, patches, moved * exchange / exchange.sum(), bounds)
+        values, left = _shifted(values, gain, patches.patch, moved * exchange / exchange.sum(), bounds)
+    everywhere = np.zeros_like(patches.patch)
+    values, _ = _shifted(values, gain, everywhere, left.sum(keepdims=True), bounds)
     restored = new_values.copy()
     restored[patches.particles] = values
     return restored
 
 
-def _bounds(
-    patches: Patches, new: Mesh, new_values: Array, corners_old: Array, corners_new: Array
-) -> tuple[tuple[Array, Array], ...]:
-    """Least and largest value allowed for each particle of the patches: among neighbours, and in the patch."""
+def _extremes(patches: Patches, values: Array, corners_old: Array) -> tuple[Array, Array]:
+    """Least and largest value allowed to each particle of the patches, from ``values`` (k,) and old ones; both (k,)."""
     found = []
-    local = np.searchsorted(patches.particles, new.cells[patches.new])
-    for operation, extreme in ((np.minimum, np.min), (np.maximum, np.max)):
-        start = new_values[patches.particles]
-        around = np.repeat(extreme(corners_new, axis=1), 3)
-        near = grouped(operation, start[:, None], local.ravel(), around[:, None])[:, 0]
-        whole = np.full(patches.count, -np.inf if operation is np.maximum else np.inf)[:, None]
-        whole = grouped(operation, whole, patches.patch, start[:, None])
-        whole = grouped(operation, whole, patches.old_patch, extreme(corners_old, axis=1)[:, None])
-        found.append((near, whole[patches.patch, 0]))
-    (near_low, low), (near_high, high) = found
-    return (near_low, near_high), (low, high)
+    for operation, nothing in ((np.minimum, np.inf), (np.maximum, -np.inf)):
+        extreme = np.full((patches.count, 1), nothing)
+        extreme = grouped(operation, extreme, patches.patch, values[:, None])
+        extreme = grouped(operation, extreme, np.repeat(patches.old_patch, 3), corners_old.reshape(-1, 1))
+        found.append(extreme[patches.patch, 0])
+    low, high = found
+    margin = _OVERSHOOT * (high - low)
+    return low - margin, high + margin
 
 
-def _towards(
-    values: Array, gain: Array, patches: Patches, amount: Array, bounds: tuple[tuple[Array, Array], ...]
+def _shifted(
+    values: Array, gain: Array, patch: IntArray, amount: Array, bounds: tuple[Array, Array]
 ) -> tuple[Array, Array]:
-    """``values`` (k,) moved towards their bounds to add ``amount`` to each patch, and the amounts left."""
-    for low, high in bounds:
-        bound = np.where(amount[patches.patch] > 0.0, high, low)
-        # A correction towards the bound of the patch may have passed the one among the neighbours.
-        room = np.where((gain > 0.0) & ((bound - values) * amount[patches.patch] > 0.0), bound - values, 0.0)
-        capacity = np.bincount(patches.patch, gain * room, minlength=patches.count)
-        share = np.divide(amount, capacity, out=np.zeros(patches.count), where=capacity != 0.0)
-        share = np.minimum(share, 1.0)
-        values = values + share[patches.patch] * room
-        amount = amount - share * capacity
+    """``values`` (k,) shifted within ``bounds`` to add ``amount`` to each patch, and the amounts left.
+
+    The same shift for all particles of a patch changes them least. Those that reach a bound stay there, so the others
+    take more; what is left after some rounds is shared in proportion to the distance from the bound.
+    """
+    low, high = bounds
+    for last in (*(False,) * _ROUNDS, True):
+        if not amount.any():
+            break
+        wanted = amount[patch]
+        room = np.where(wanted > 0.0, np.maximum(high - values, 0.0), np.minimum(low - values, 0.0))
+        room[gain <= 0.0] = 0.0
+        reach = room if last else (room != 0.0)
+        capacity = np.bincount(patch, gain * reach, minlength=len(amount))
+        share = np.divide(amount, capacity, out=np.zeros(len(amount)), where=capacity != 0.0)[patch]
+        step = share * reach
+        step = np.where(np.abs(step) < np.abs(room), step, room)
+        values = values + step
+        amount = amount - np.bincount(patch, gain * step, minlength=len(amount))
     return values, amount
 
 
@@ -212,7 +226,9 @@ def restore_heat(
     old_enthalpy = specific_enthalpy(material.capacity, before.temperature, start)
     new_enthalpy = specific_enthalpy(material.capacity, after.temperature, start)
     # A kelvin more expands elements whose J follows it, which takes mass and its heat away.
-    expanding = follows_pressure(problem, remesh_map.unchanged) * new_volume * element_mean(new_enthalpy, new.cells)
+    expanding = (
+        follows_pressure(problem, remesh_map.unchanged) * new_volume * element_mean(new_enthalpy, new.cells)
+    )
     strain_rate = thermal_strain(material, after.momentum_temperature + 1.0)
     strain_rate -= thermal_strain(material, after.momentum_temperature)
     volume, expansion = (lumped(each, new.cells, len(new.points)) for each in (new_volume, expanding))

@@ -162,7 +162,11 @@ def transfer_particles(values: Array, old: Mesh, remesh_map: RemeshMap) -> Array
 
 
 def carry_volume(
-    problem: Problem, mesh: Mesh, fields: Fields, unchanged: BoolArray, elements: IntArray | slice = slice(None)
+    problem: Problem,
+    mesh: Mesh,
+    fields: Fields,
+    unchanged: BoolArray,
+    elements: IntArray | slice = slice(None),
 ) -> Fields:
     """``fields`` with the volume ratios that the next step starts from, by the problem's rule.
 
