@@ -16,7 +16,8 @@ from scipy.sparse.csgraph import connected_components
 from meshing.mesh import Mesh, signed_areas
 from meshing.remesh import RemeshMap
 from pfemcut.materials.enthalpy import specific_enthalpy, temperature_at
-from pfemcut.pfem.kinematics import element_mean, lumped
+from pfemcut.materials.volumetric import free_expansion
+from pfemcut.pfem.kinematics import lumped
 from pfemcut.pfem.loads import part_particles
 from pfemcut.pfem.mechanics import thermal_strain
 from pfemcut.pfem.state import Fields
@@ -93,15 +94,15 @@ def changed_patches(old: Mesh, new: Mesh, remesh_map: RemeshMap) -> Patches:
 
 def conserve(
     patches: Patches,
-    old: Mesh,
     old_mass: Array,
-    old_values: Array,
-    new: Mesh,
+    old_corners: Array,
     new_mass: Array,
-    new_values: Array,
+    new_corners: Array,
+    values: Array,
     weight: Array,
+    limits: tuple[float, float],
 ) -> Array:
-    """``new_values`` with their integral over the ``patches`` that of ``old_values``, as far as bounds allow.
+    """``values`` on the particles of the ``patches`` with the integral that the old ones had, as far as bounds allow.
 
     1. Each patch gets back its mean: what the new triangles and particles changed. If they also changed its mass, as
        where the boundary was edited, the mean is kept and the integral follows the mass.
@@ -109,65 +110,63 @@ def conserve(
        among those whose mass changed; what they have no room for, among all.
 
     A patch shifts its particles by the same amount, which changes them least. No value passes the extremes of its
-    patch, before and after the remesh, by more than 2 % of their distance, nor the body's before it; what can't be
-    placed so stays missing.
+    patch, before and after the remesh, by more than 2 % of their distance, nor the ``limits``; what can't be placed so
+    stays missing.
 
     Parameters
     ----------
     patches
         Of the remesh.
-    old, old_mass, old_values
-        Old mesh, masses of its elements (m,), values on its particles (n,).
-    new, new_mass, new_values
-        Likewise for the new mesh.
+    old_mass, old_corners
+        Masses of the patches' old elements and values at their corners; shapes (j,) and (j, 3).
+    new_mass, new_corners
+        Likewise of their new elements; shapes (i,) and (i, 3).
+    values
+        On the patches' particles in the new mesh; shape (k,).
     weight
-        What one more of the value adds to the integral, at each particle of the new mesh: its mass, or zero where the
-        value is prescribed; shape (n,).
+        What one more of the value adds to the integral at each of these: the mass that is lumped there, or zero where
+        the value is prescribed; shape (k,).
+    limits
+        Least and largest value of the body before the remesh.
 
     Returns
     -------
     values
-        On the particles of the new mesh; shape (n,).
+        Shape (k,).
     """
     if not patches.count:
-        return new_values
+        return values
 
     def per_patch(which: IntArray, amounts: Array) -> Array:
         total = np.bincount(which, amounts, minlength=patches.count)
         return total.astype(np.float64, copy=False)
 
-    corners_old, corners_new = old_values[old.cells[patches.old]], new_values[new.cells[patches.new]]
-    mass_before = per_patch(patches.old_patch, old_mass[patches.old])
-    mass_after = per_patch(patches.new_patch, new_mass[patches.new])
-    before = per_patch(patches.old_patch, old_mass[patches.old] * corners_old.mean(axis=1))
-    after = per_patch(patches.new_patch, new_mass[patches.new] * corners_new.mean(axis=1))
+    mass_before, mass_after = per_patch(patches.old_patch, old_mass), per_patch(patches.new_patch, new_mass)
+    before = per_patch(patches.old_patch, old_mass * old_corners.mean(axis=1))
+    after = per_patch(patches.new_patch, new_mass * new_corners.mean(axis=1))
 
-    gain = weight[patches.particles]
     growth = np.divide(mass_after, mass_before, out=np.zeros(patches.count), where=mass_before > 0.0)
-    values = new_values[patches.particles]
-    low, high = _extremes(patches, values, corners_old)
-    bounds = np.maximum(low, old_values.min()), np.minimum(high, old_values.max())
-    values, left = _shifted(values, gain, patches.patch, before * growth - after, bounds)
+    low, high = _extremes(patches, values, old_corners)
+    bounds = np.maximum(low, limits[0]), np.minimum(high, limits[1])
+    values, left = _shifted(values, weight, patches.patch, before * growth - after, bounds)
     # What went with the mass.
     moved = float(np.sum(before - before * growth) + left.sum())
     exchange = np.abs(mass_after - mass_before)
     left = np.array([moved])
     if exchange.any():
-        values, left = _shifted(values, gain, patches.patch, moved * exchange / exchange.sum(), bounds)
+        values, left = _shifted(values, weight, patches.patch, moved * exchange / exchange.sum(), bounds)
     everywhere = np.zeros_like(patches.patch)
-    values, _ = _shifted(values, gain, everywhere, left.sum(keepdims=True), bounds)
-    restored = new_values.copy()
-    restored[patches.particles] = values
-    return restored
+    values, _ = _shifted(values, weight, everywhere, left.sum(keepdims=True), bounds)
+    return values
 
 
-def _extremes(patches: Patches, values: Array, corners_old: Array) -> tuple[Array, Array]:
+def _extremes(patches: Patches, values: Array, old_corners: Array) -> tuple[Array, Array]:
     """Least and largest value allowed to each particle of the patches, from ``values`` (k,) and old ones; both (k,)."""
     found = []
     for operation, nothing in ((np.minimum, np.inf), (np.maximum, -np.inf)):
         extreme = np.full((patches.count, 1), nothing)
         extreme = grouped(operation, extreme, patches.patch, values[:, None])
-        extreme = grouped(operation, extreme, np.repeat(patches.old_patch, 3), corners_old.reshape(-1, 1))
+        extreme = grouped(operation, extreme, np.repeat(patches.old_patch, 3), old_corners.reshape(-1, 1))
         found.append(extreme[patches.patch, 0])
     low, high = found
     margin = _OVERSHOOT * (high - low)
@@ -221,30 +220,52 @@ def restore_heat(
     """
     material, start = problem.body.material, problem.body.temperature
     patches = changed_patches(old, new, remesh_map)
-    old_volume = signed_areas(old.points, old.cells) / before.volume_ratio
-    new_volume = signed_areas(new.points, new.cells) / after.volume_ratio
-    old_enthalpy = specific_enthalpy(material.capacity, before.temperature, start)
-    new_enthalpy = specific_enthalpy(material.capacity, after.temperature, start)
+    particles, cells = patches.particles, new.cells
+    inside = np.zeros(len(new.points), dtype=bool)
+    inside[particles] = True
+    # Everything is local: the patches and the elements around them, among which are the new ones.
+    around = np.flatnonzero(inside[cells].any(axis=1))
+    new_among = np.searchsorted(around, patches.new)
+
+    def enthalpy(temperature: Array) -> Array:
+        return specific_enthalpy(material.capacity, temperature, start)
+
+    old_volume = signed_areas(old.points, old.cells[patches.old]) / before.volume_ratio[patches.old]
+    volume = signed_areas(new.points, cells[around]) / after.volume_ratio[around]
+    corners = enthalpy(after.temperature[cells[around]])
     # A kelvin more expands elements whose J follows it, which takes mass and its heat away.
-    expanding = (
-        follows_pressure(problem, remesh_map.unchanged) * new_volume * element_mean(new_enthalpy, new.cells)
-    )
-    strain_rate = thermal_strain(material, after.momentum_temperature + 1.0)
-    strain_rate -= thermal_strain(material, after.momentum_temperature)
-    volume, expansion = (lumped(each, new.cells, len(new.points)) for each in (new_volume, expanding))
-    weight = volume - expansion * strain_rate / material.capacity(after.temperature)
+    strain = thermal_strain(material, after.momentum_temperature[cells[around]]).mean(axis=1)
+    expanding = free_expansion(after.volume_ratio[around], strain) * volume * corners.mean(axis=1)
+    expanding *= follows_pressure(problem, remesh_map.unchanged)[around]
+    momentum = after.momentum_temperature[particles]
+    strain_rate = thermal_strain(material, momentum + 1.0) - thermal_strain(material, momentum)
+    mass, expansion = (lumped(each, cells[around], len(inside))[particles] for each in (volume, expanding))
+    weight = np.zeros(len(inside))
+    weight[particles] = mass - expansion * strain_rate / material.capacity(after.temperature[particles])
     for condition in problem.temperatures:
         weight[part_particles(problem, new, condition.part)] = 0.0
 
-    wanted = conserve(patches, old, old_volume, old_enthalpy, new, new_volume, new_enthalpy, weight)
-    some = patches.particles
-    change = np.zeros(len(new.points))
-    change[some] = temperature_at(material.capacity, wanted[some], start, after.temperature[some])
-    change[some] -= after.temperature[some]
+    least, most = enthalpy(np.array([before.temperature.min(), before.temperature.max()]))
+    found = enthalpy(after.temperature[particles])
+    wanted = conserve(
+        patches,
+        old_volume,
+        enthalpy(before.temperature[old.cells[patches.old]]),
+        volume[new_among],
+        corners[new_among],
+        found,
+        weight[particles],
+        (float(least), float(most)),
+    )
+    guess = after.temperature[particles]
+    change = np.zeros(len(inside))
+    moved = wanted != found
+    change[particles[moved]] = (
+        temperature_at(material.capacity, wanted[moved], start, guess[moved]) - guess[moved]
+    )
     corrected = replace(
         after,
         temperature=after.temperature + change,
         momentum_temperature=after.momentum_temperature + change,
     )
-    around = np.flatnonzero((change != 0.0)[new.cells].any(axis=1))
     return carry_volume(problem, new, corrected, remesh_map.unchanged, around)
