@@ -262,7 +262,7 @@ LARGEST_HEAT = {history: 1e-5 for history in VolumetricHistory} | {VolumetricHis
 
 
 def check(found: Journey, history: VolumetricHistory, remeshes: int) -> None:
-    """Bounds for some 16 edits and as many remeshed patches each time; sums grow like a random walk, or less."""
+    """Bounds for some 16 edits each time; of sums, those of a random walk."""
     assert found.edits > 8 * remeshes
     assert found.area < 1e-12
     assert found.mass < LARGEST_MASS[history]
