@@ -111,10 +111,10 @@ def thermal_strain(material: Material, temperature: Array) -> Array:
     return 3.0 * material.expansion(temperature) * (temperature - material.reference_temperature)
 
 
-def pressure_volume_ratios(material: Material, mesh: Mesh, fields: Fields) -> Array:
-    """J of the elements, recomputed from the particles' pressure and the temperature it belongs to; (m,)."""
-    pressure = element_mean(fields.pressure, mesh.cells)
-    strain = element_mean(thermal_strain(material, fields.momentum_temperature), mesh.cells)
+def pressure_volume_ratios(material: Material, cells: IntArray, fields: Fields) -> Array:
+    """J of ``cells`` (m, 3), recomputed from the particles' pressure and the temperature it belongs to; (m,)."""
+    pressure = element_mean(fields.pressure, cells)
+    strain = element_mean(thermal_strain(material, fields.momentum_temperature), cells)
     return volume_ratio_from_pressure(pressure / material.bulk_modulus, strain)
 
 

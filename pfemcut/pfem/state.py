@@ -34,12 +34,13 @@ class Transfer(Enum):
 
     INTERPOLATE: stays on particles, inserted ones interpolate in the old mesh. INHERIT: an element that changed takes
     its value from the old elements in its place (:class:`pfemcut.problem.ElementTransfer`); INHERIT_UNIMODULAR: so
-    does its deviator, and the determinant becomes 1.
+    does its deviator, and the determinant becomes 1; INHERIT_INVERSE: so does the inverse of its value.
     """
 
     INTERPOLATE = "interpolate"
     INHERIT = "inherit"
     INHERIT_UNIMODULAR = "inherit, det = 1"
+    INHERIT_INVERSE = "inherit 1/value"
 
 
 @dataclass(frozen=True)
@@ -52,8 +53,7 @@ class Declaration:
     transfer: Transfer
 
 
-def _stored(where: Where, unit: str, *, unimodular: bool = False) -> Any:
-    inherit = Transfer.INHERIT_UNIMODULAR if unimodular else Transfer.INHERIT
+def _stored(where: Where, unit: str, inherit: Transfer = Transfer.INHERIT) -> Any:
     transfer = Transfer.INTERPOLATE if where is Where.PARTICLE else inherit
     return field(metadata={"where": where, "unit": unit, "transfer": transfer})
 
@@ -91,8 +91,9 @@ class Fields:
     pressure: Array = _stored(Where.PARTICLE, "MPa")
     displacement: Array = _stored(Where.PARTICLE, "mm")
     last_displacement: Array = _stored(Where.PARTICLE, "mm")
-    b_elastic: Array = _stored(Where.ELEMENT, "1", unimodular=True)
-    volume_ratio: Array = _stored(Where.ELEMENT, "1")
+    b_elastic: Array = _stored(Where.ELEMENT, "1", Transfer.INHERIT_UNIMODULAR)
+    # Its inverse, so that the mass int rho_0 / J dV is kept.
+    volume_ratio: Array = _stored(Where.ELEMENT, "1", Transfer.INHERIT_INVERSE)
     eqps: Array = _stored(Where.ELEMENT, "1")
     multiplier_rate: Array = _stored(Where.ELEMENT, "1/s")
     plastic_power: Array = _stored(Where.ELEMENT, "mW/mm3")

@@ -19,6 +19,7 @@ from pfemcut.materials.material import Material
 from pfemcut.materials.return_mapping import ReturnMappingFailed
 from pfemcut.method import CutEnded, RunStopped
 from pfemcut.pfem import energies
+from pfemcut.pfem.conservation import restore_heat
 from pfemcut.pfem.kinematics import element_mean
 from pfemcut.pfem.loads import nodal_loads, part_particles
 from pfemcut.pfem.mechanics import Motion, PlasticUpdate, solve_motion, thermal_strain, update_plasticity
@@ -225,6 +226,7 @@ def _particle_step(
     with watch.phase("transfer"):
         fields = transfer_fields(state.fields, state.mesh, mesh, remesh_map, problem.particles.transfer)
         fields = carry_volume(problem, mesh, fields, remesh_map.unchanged)
+        fields = restore_heat(problem, state.mesh, state.fields, mesh, fields, remesh_map)
     return mesh, fields, (remesh_map,)
 
 
