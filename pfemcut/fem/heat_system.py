@@ -29,14 +29,13 @@ class HeatKernels:
         self.symbols = HeatSymbols.on(self.domain)
         self.form = runtime.CompiledForm(comm, heat_forms(self.domain, self.symbols))
         self.scalar = runtime.CompiledElement(comm, runtime.nodal_element(1))
-        self.element = runtime.CompiledElement(comm, runtime.cell_element(2))
+        self.element = runtime.CompiledElement(comm, runtime.cell_element(1))
 
 
 def solve_temperature_increment(
     kernels: HeatKernels,
     mesh: DistributedMesh,
     temperature: Array,
-    capacity: Array,
     lumped_capacity: Array,
     conductivity: Array,
     heat: Array,
@@ -52,10 +51,8 @@ def solve_temperature_increment(
         The updated configuration x_{n+1}.
     temperature
         Temperature at the start of the step (K); shape (n,).
-    capacity
-        Heat capacity per current volume over the step, rho_0 c / (J dt); shape (m,).
     lumped_capacity
-        The same, integrated and lumped to particles; shape (n,).
+        Heat capacity of the particles over the step, the integral of rho_0 c / (J dt) (mW/(mm K)); shape (n,).
     conductivity
         Conductivity (N/(s K)); shape (m,).
     heat
@@ -78,8 +75,8 @@ def solve_temperature_increment(
     """
     space = NodalSpace(mesh, kernels.scalar, 1)
     cells = CellSpace(mesh, kernels.element)
-    element = cells.function(np.column_stack([capacity, conductivity]))
-    form = kernels.form.bind(mesh.cpp, [space.cpp, space.cpp], {kernels.symbols.element: element}, {})
+    element = cells.function(conductivity)
+    form = kernels.form.bind(mesh.cpp, [space.cpp, space.cpp], {kernels.symbols.conductivity: element}, {})
     matrix = runtime.new_matrix(form)
     runtime.assemble_matrix(matrix, form)
     matrix.assemble()
@@ -88,12 +85,11 @@ def solve_temperature_increment(
     owned = space.particles[: space.owned]
     solution.array[:] = temperature[owned]
     matrix.mult(solution, right)
-    right.array[:] = (heat + lumped_capacity * temperature)[owned] - right.array_r
-    if exchange.any():
-        diagonal = matrix.getDiagonal()
-        diagonal.array[:] += exchange[owned]
-        matrix.setDiagonal(diagonal)
-        diagonal.destroy()
+    right.array[:] = heat[owned] - right.array_r
+    diagonal = matrix.getDiagonal()
+    diagonal.array[:] += (lumped_capacity + exchange)[owned]
+    matrix.setDiagonal(diagonal)
+    diagonal.destroy()
     rows = np.flatnonzero(fixed[owned]).astype(np.int32)
     solution.array[:] = fixed_increment[owned]
     matrix.zeroRowsColumnsLocal(rows, 1.0, solution, right)

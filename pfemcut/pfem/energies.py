@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from meshing.mesh import Mesh, signed_areas
 from pfemcut.contact.penalty import contact_forces, facing_lengths
+from pfemcut.materials.enthalpy import specific_enthalpy
 from pfemcut.materials.return_mapping import deviatoric_energy
 from pfemcut.pfem.kinematics import element_mean, lumped
 from pfemcut.pfem.state import Fields
@@ -36,24 +37,8 @@ def heat_content(problem: Problem, mesh: Mesh, fields: Fields) -> float:
     material = problem.body.material
     volume = signed_areas(mesh.points, mesh.cells) / fields.volume_ratio
     nodal_mass = lumped(material.density * volume, mesh.cells, len(mesh.points))
-    return float(np.sum(nodal_mass * _enthalpy(problem, fields.temperature)))
-
-
-def _enthalpy(problem: Problem, temperature: Array) -> Array:
-    """int c dtheta from the initial temperature (mm²/s²), exact for the piecewise linear c; same shape."""
-    capacity = problem.body.material.capacity
-    start = problem.body.temperature
-    if len(capacity.temperatures) == 1:
-        return capacity.values[0] * (temperature - start)
-    knots = np.unique(np.concatenate([[start], capacity.temperatures, [0.0, 1e4]]))
-    values = capacity(knots)
-    integral = np.concatenate([[0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(knots))])
-
-    def primitive(at: Array) -> Array:
-        piece = np.clip(np.searchsorted(knots, at, side="right") - 1, 0, len(knots) - 2)
-        return integral[piece] + 0.5 * (values[piece] + capacity(at)) * (at - knots[piece])
-
-    return primitive(temperature) - primitive(np.array([start]))
+    enthalpy = specific_enthalpy(material.capacity, fields.temperature, problem.body.temperature)
+    return float(np.sum(nodal_mass * enthalpy))
 
 
 def kinetic_energy(problem: Problem, mesh: Mesh, fields: Fields, step: float) -> float:
