@@ -25,9 +25,14 @@ def described(material: Material) -> str:
 
 
 def source_of(material: Material, key: str) -> str:
-    """Source of the value of ``key`` (``hardening.A`` or the like for a law's constant); empty if not given."""
+    """Source of the value of ``key`` (``hardening.A`` or the like for a law's constant); empty if not given.
+
+    A constant of the law without its own source has that of the material's value of the same name, which is the
+    reference temperature, or that of the whole law.
+    """
     sources = dict(material.sources)
-    return sources.get(key, sources.get(key.partition(".")[0], ""))
+    table, _, constant = key.rpartition(".")
+    return sources.get(key) or sources.get(constant) or sources.get(table, "")
 
 
 def _commented(table: Mapping[str, Any], model: type[BaseModel]) -> list[str]:
