@@ -13,7 +13,7 @@ _NEWTON_STEPS = 6  # quadratic from a guess nearby; one is exact where the speci
 
 
 def specific_enthalpy(capacity: Property, temperature: Array, start: float) -> Array:
-    """int c dtheta from ``start`` to ``temperature`` (K) in mm²/s², exact for piecewise linear c; same shape."""
+    """int c dtheta (mm²/s²) from ``start`` to ``temperature`` (K), exact for the piecewise linear c; same shape."""
     if len(capacity.temperatures) == 1:
         return capacity.values[0] * (temperature - start)
     knots = np.unique(np.concatenate([[start], capacity.temperatures, [0.0, 1e4]]))

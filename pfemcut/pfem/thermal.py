@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from meshing.mesh import Mesh, signed_areas
 from pfemcut.fem.heat_system import HeatKernels, solve_temperature_increment
 from pfemcut.fem.partition import Partition
+from pfemcut.materials.enthalpy import specific_enthalpy, temperature_at
+from pfemcut.materials.material import Property
 from pfemcut.pfem.kinematics import element_mean, lumped, tributary_lengths
 from pfemcut.pfem.loads import part_edges, part_particles
 from pfemcut.pfem.mechanics import ContactResult
@@ -17,6 +19,10 @@ from pfemcut.problem import MovingHeatBand, Problem
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+
+_SOLVES = 5
+_ENOUGH = 1e-2  # K, between the linear solution and the temperature of its heat
+_SMALL = 1e-6  # K, below which a secant would be round-off
 
 
 @dataclass(frozen=True)
@@ -38,12 +44,6 @@ class Heating:
     supplied: float
 
 
-def heat_capacity(problem: Problem, mesh: Mesh, temperature: Array, volume_ratio: Array) -> Array:
-    """Heat capacity per current volume rho_0 c / J of the elements (mJ/(mm³ K)); (m,)."""
-    material = problem.body.material
-    return material.density * material.capacity(element_mean(temperature, mesh.cells)) / volume_ratio
-
-
 def solve_heat(
     problem: Problem,
     kernels: HeatKernels,
@@ -57,6 +57,14 @@ def solve_heat(
     step: float,
 ) -> Heating:
     """One backward-Euler step on ``mesh``, which has its particles at their new positions.
+
+    1. Conductivity k at the temperature of the start of the step, and specific heat c likewise, at the particles.
+    2. Solve the linear system for the temperature increment.
+    3. Each particle takes the temperature whose enthalpy, the integral of c, has grown by the heat that the solution
+       brings it: no heat is lost, whatever the step.
+    4. Where that differs from the increment by more than 0.01 K, solve again with the secant of the enthalpy as c.
+
+    Steps 3 and 4 have nothing to do where c is constant.
 
     Parameters
     ----------
@@ -74,8 +82,7 @@ def solve_heat(
     material = problem.body.material
     count = len(mesh.points)
     areas = signed_areas(mesh.points, mesh.cells)
-    capacity = heat_capacity(problem, mesh, temperature, volume_ratio) / step
-    lumped_capacity = lumped(areas * capacity, mesh.cells, count)
+    mass = lumped(material.density * areas / volume_ratio, mesh.cells, count)
     sources = lumped(material.taylor_quinney * plastic_power * areas, mesh.cells, count)
     for each in contact:
         sources[each.particles] += problem.contact.heat_partition * each.forces.friction_power
@@ -87,24 +94,55 @@ def solve_heat(
         particles = part_particles(problem, mesh, condition.part)
         fixed[particles] = True
         fixed_increment[particles] = condition.temperature(time) - temperature[particles]
-    increment = solve_temperature_increment(
-        kernels,
-        partition,
-        mesh.points,
-        temperature,
-        capacity,
-        lumped_capacity,
-        material.conductivity(element_mean(temperature, mesh.cells)),
-        sources + flux,
-        exchange,
-        fixed,
-        fixed_increment,
-    )
-    stored = float(lumped_capacity @ increment) * step
+    conductivity = material.conductivity(element_mean(temperature, mesh.cells))
+    specific_heat = material.capacity(temperature)
+    for _ in range(_SOLVES):
+        capacity = mass * specific_heat / step
+        increment = solve_temperature_increment(
+            kernels,
+            partition,
+            mesh.points,
+            temperature,
+            capacity,
+            conductivity,
+            sources + flux,
+            exchange,
+            fixed,
+            fixed_increment,
+        )
+        warming = _warming(material.capacity, temperature, increment, specific_heat * increment)
+        warming[fixed] = fixed_increment[fixed]
+        if np.max(np.abs(warming - increment)) <= _ENOUGH:
+            break
+        specific_heat = _secant(material.capacity, temperature, warming)
+    stored = float(mass @ _gain(material.capacity, temperature, warming))
     generated = float(sources.sum()) * step
     through = float(flux.sum() - exchange @ increment) * step
     supplied = stored - generated if fixed.any() else through
-    return Heating(increment, generated, supplied)
+    return Heating(warming, generated, supplied)
+
+
+def _warming(capacity: Property, temperature: Array, increment: Array, received: Array) -> Array:
+    """Temperature increment (K) for the heat ``received`` per mass (mm²/s²); ``increment`` if c is constant; (n,)."""
+    if len(capacity.temperatures) == 1:
+        return increment.copy()
+    start = capacity.temperatures[0]
+    enthalpy = specific_enthalpy(capacity, temperature, start) + received
+    return temperature_at(capacity, enthalpy, start, temperature + increment) - temperature
+
+
+def _gain(capacity: Property, temperature: Array, warming: Array) -> Array:
+    """Growth of the specific enthalpy (mm²/s²); (n,)."""
+    start = capacity.temperatures[0]
+    after = specific_enthalpy(capacity, temperature + warming, start)
+    return after - specific_enthalpy(capacity, temperature, start)
+
+
+def _secant(capacity: Property, temperature: Array, warming: Array) -> Array:
+    """Mean specific heat over the warming (mm²/(s² K)); (n,)."""
+    large = np.abs(warming) > _SMALL
+    secant = _gain(capacity, temperature, warming) / np.where(large, warming, 1.0)
+    return np.where(large, secant, capacity(temperature))
 
 
 def _boundary_flux(problem: Problem, mesh: Mesh, temperature: Array, time: float) -> tuple[Array, Array]:
