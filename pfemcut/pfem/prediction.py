@@ -19,23 +19,26 @@ Array = NDArray[np.float64]
 _OVERHANG = 0.5  # barycentric: how far outside its triangles the last motion is continued
 
 
-def predict(problem: Problem, last: State, mesh: Mesh, fields: Fields, step: float) -> Array:
+def predict(problem: Problem, last: State, mesh: Mesh, fields: Fields, step: float, *, steady: bool) -> Array:
     """Displacement over ``step`` (s) and pressure at its end, a guess; shape (n, 3).
 
     Parameters
     ----------
     problem
-        With the tool, if any; without one a particle's own last motion is repeated.
+        With the cut and its tool.
     last
         State at the end of the last step, before the particles were edited.
     mesh, fields
         The new mesh, and the fields carried to it.
     step
         Step length (s).
+    steady
+        Whether to believe that the motion is steady as seen from the tool; else, and in problems that are no cuts, a
+        particle's own last motion is repeated.
     """
     ratio = step / last.clock.last_dt
     guess = np.column_stack([fields.last_displacement * ratio, fields.pressure])
-    if len(problem.tool) != 1 or not fields.last_displacement.any():
+    if not (steady and problem.cut and fields.last_displacement.any()):
         return guess
     advance = np.asarray(problem.tool[0].velocity)
     old = last.mesh

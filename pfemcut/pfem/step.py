@@ -118,7 +118,7 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
                     partition,
                     mesh,
                     fields,
-                    predict(problem, state, mesh, fields, step),
+                    predict(problem, state, mesh, fields, step, steady=cuts == 0),
                     start_time=state.clock.time,
                     step=step,
                     last_step=state.clock.last_dt,
