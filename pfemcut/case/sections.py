@@ -7,7 +7,17 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    Field,
+    Tag,
+    model_validator,
+)
+
+from pfemcut.contact.friction_laws import FrictionTable
 
 
 def planned(*names: str) -> BeforeValidator:
@@ -34,16 +44,46 @@ class Section(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
 
+class ConductanceTable(Section):
+    """Conductance of the interface that depends on the contact pressure, value (p / reference_pressure)^exponent."""
+
+    value: float = Field(ge=0, description="Conductance at the reference pressure (N/(mm s K))")
+    reference_pressure: float = Field(gt=0, description="Reference pressure (MPa)")
+    exponent: float = Field(default=0.95, ge=0, le=2, description="Exponent of the pressure (dimensionless)")
+
+
+def _form(value: Any) -> str:
+    # Not "table", which is the name of a friction law.
+    return "by law" if isinstance(value, dict | BaseModel) else "number"
+
+
+Friction = Annotated[
+    Annotated[float, Field(ge=0, le=2), Tag("number")] | Annotated[FrictionTable, Tag("by law")],
+    Discriminator(_form),
+]
+ConductanceOrTable = Annotated[
+    Annotated[float, Field(ge=0), Tag("number")] | Annotated[ConductanceTable, Tag("by law")],
+    Discriminator(_form),
+]
+
+
 class Contact(Section):
     """Contact between tool and workpiece."""
 
-    friction: float = Field(default=0.0, ge=0, le=2, description="Coulomb coefficient (dimensionless)")
+    friction: Friction = Field(
+        default=0.0, description="Coulomb coefficient (dimensionless), or a table of a friction law"
+    )
     reference_speed: float = Field(
         default=1.0, gt=0, description="Sliding speed that regularises friction (mm/s)"
     )
     penalty: float = Field(default=4e7, gt=0, description="Contact pressure per penetration (MPa/mm)")
     heat_partition: float = Field(
         default=0.5, ge=0, le=1, description="Fraction of the friction heat that enters the workpiece"
+    )
+    conductance: ConductanceOrTable = Field(
+        default=0.0,
+        description="Heat conductance of the interface (N/(mm s K); 1e-3 of the number in W/(m² K)), or a table; "
+        "zero insulates",
     )
 
 

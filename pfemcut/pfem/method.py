@@ -15,7 +15,7 @@ from pfemcut.materials.return_mapping import tensor_norm
 from pfemcut.method import ContactView, Frame, Measures
 from pfemcut.pfem import energies
 from pfemcut.pfem.kinematics import element_mean
-from pfemcut.pfem.mechanics import thermal_strain
+from pfemcut.pfem.mechanics import surface_flow_stress, thermal_strain
 from pfemcut.pfem.state import Clock, Ledger, State, from_arrays, initial_fields, to_arrays
 from pfemcut.pfem.step import PHASES, Kernels, StepRecord, advance
 from pfemcut.problem import Problem
@@ -240,7 +240,14 @@ class PfemMethod:
             lengths = facing_lengths(shape, mesh.points, mesh.boundary.edges)[particles]
             slip = state.fields.last_displacement[particles] - state.clock.last_dt * np.asarray(tool.velocity)
             found: ContactForces = contact_forces(
-                shape, problem.contact, mesh.points[particles], slip, lengths, state.clock.last_dt
+                shape,
+                problem.contact,
+                mesh.points[particles],
+                slip,
+                lengths,
+                state.clock.last_dt,
+                state.fields.temperature[particles],
+                surface_flow_stress(problem, mesh, state.fields)[particles],
             )
             touching = found.normal_force > 0.0
             loaded = particles[touching]

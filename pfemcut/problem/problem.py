@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 from meshing.initial import Arc
 from meshing.mesh import Mesh
+from pfemcut.contact.conductance import Conductance
+from pfemcut.contact.friction import FrictionLaw
 from pfemcut.materials.material import Material
 from pfemcut.problem.conditions import (
     Convection,
@@ -81,24 +83,27 @@ class MovingTool:
 
 @dataclass(frozen=True)
 class ContactLaw:
-    """Penalty contact with regularised Coulomb friction (paper, eqs. 14, 26, 33).
+    """Penalty contact with friction and heat (paper, eqs. 14, 26, 29, 33).
 
     Attributes
     ----------
     penalty
         Pressure per penetration (MPa/mm).
     friction
-        Coulomb coefficient.
+        Law of the shear traction.
     reference_speed
         Regularisation speed V_ref of eq. 26 (mm/s).
     heat_partition
         Fraction of the friction heat that enters the workpiece.
+    conductance
+        Of heat through the interface; none unless given.
     """
 
     penalty: float
-    friction: float
+    friction: FrictionLaw
     reference_speed: float
     heat_partition: float
+    conductance: Conductance = Conductance(0.0)
 
 
 @dataclass(frozen=True)
