@@ -44,6 +44,44 @@ class Section(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
 
+class Conduction(Section):
+    """Heat conduction in a rigid tool: a block of its own, held at the tool's temperature on the holder's side."""
+
+    conductivity: float = Field(gt=0, description="Thermal conductivity (N/(s K))")
+    capacity: float = Field(gt=0, description="Specific heat (mm²/(s² K))")
+    density: float = Field(gt=0, lt=1e-6, description="Density (tonne/mm³)")
+    length: float = Field(
+        default=2.0, gt=0, description="Length of rake and flank faces, from the tip to the holder (mm)"
+    )
+    fine_length: float = Field(
+        default=0.3, gt=0, description="Length of the rake face along which the mesh is finest (mm)"
+    )
+    tip_size: float = Field(default=0.01, gt=0, description="Finest spacing (mm)")
+    growth: float = Field(default=0.15, gt=0, le=1, description="Increase of the spacing per distance")
+
+    @model_validator(mode="after")
+    def _is_longer_than_fine(self) -> Self:
+        if self.fine_length >= self.length:
+            raise ValueError(
+                f"fine_length: given {self.fine_length}, must be less than length = {self.length:g}"
+            )
+        return self
+
+
+class ToolHeat(Section):
+    """What all rigid tools have to do with heat."""
+
+    temperature: float = Field(
+        default=293.15,
+        gt=0,
+        description="Temperature of the tool (K), which takes heat through [contact] conductance; "
+        "with [tool.conduction] that of its start and of its holder",
+    )
+    conduction: Conduction | None = Field(
+        default=None, description="Table [tool.conduction]: heat conduction in the tool"
+    )
+
+
 class ConductanceTable(Section):
     """Conductance of the interface that depends on the contact pressure, value (p / reference_pressure)^exponent."""
 

@@ -67,11 +67,50 @@ class Probe:
 
 
 @dataclass(frozen=True)
+class Conductor:
+    """The block of a rigid tool that conducts heat; its properties are constant.
+
+    Attributes
+    ----------
+    density, capacity, conductivity
+        tonne/mm³, mm²/(s² K), N/(s K).
+    length
+        Of the rake and flank faces, from the tip to the holder (mm).
+    fine_length
+        Length of the rake face along which the mesh is finest (mm).
+    tip_size, growth
+        Finest spacing (mm), and its increase per distance.
+    """
+
+    density: float
+    capacity: float
+    conductivity: float
+    length: float
+    fine_length: float
+    tip_size: float
+    growth: float
+
+
+@dataclass(frozen=True)
 class MovingTool:
-    """A rigid tool at time zero and its constant velocity (mm/s)."""
+    """A rigid tool at time zero, and how it moves and conducts.
+
+    Attributes
+    ----------
+    shape
+        The tool at time zero.
+    velocity
+        Constant (mm/s).
+    temperature
+        Of the tool, or at the start and of its holder if it conducts (K).
+    conductor
+        Its block if it conducts heat, else none: then it keeps its temperature.
+    """
 
     shape: RigidWedge
     velocity: tuple[float, float]
+    temperature: float = 293.15
+    conductor: tuple[Conductor, ...] = ()
 
     def at(self, time: float) -> RigidWedge:
         """The tool at ``time`` (s)."""
