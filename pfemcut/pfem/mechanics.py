@@ -204,6 +204,7 @@ def solve_motion(
                     displacement - step * np.asarray(tool.velocity),
                     lengths,
                     step,
+                    np.hypot(*(velocity[candidates] - np.asarray(tool.velocity)).T),
                     fields.temperature[candidates],
                     flow_stress,
                 ),

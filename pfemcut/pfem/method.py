@@ -286,6 +286,7 @@ class PfemMethod:
                 slip,
                 lengths,
                 state.clock.last_dt,
+                np.hypot(*slip.T) / state.clock.last_dt,
                 state.fields.temperature[particles],
                 surface_flow_stress(problem, mesh, state.fields)[particles],
             )
