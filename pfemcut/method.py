@@ -69,6 +69,15 @@ class ContactView:
 
 
 @dataclass(frozen=True)
+class Block:
+    """A meshed tool: particle positions (mm; (n, 2)), triangles (m, 3), and fields on particles by standard name."""
+
+    points: Array
+    cells: IntArray
+    point_fields: Mapping[str, NDArray[np.generic]]
+
+
+@dataclass(frozen=True)
 class Frame:
     """Everything that outputs show of one instant.
 
@@ -92,6 +101,8 @@ class Frame:
         Tools at this instant, none or one.
     contact
         Particles in contact with the tool.
+    tool_blocks
+        Meshes of the tools that have one.
     """
 
     step: int
@@ -104,6 +115,7 @@ class Frame:
     cell_fields: Mapping[str, Array]
     tool: tuple[RigidWedge, ...]
     contact: ContactView
+    tool_blocks: tuple[Block, ...] = ()
 
 
 class Method(Protocol):

@@ -26,6 +26,7 @@ from pfemcut.pfem.kinematics import (
     deformation_gradient,
     element_mean,
     lumped,
+    nodal_average,
     shape_gradients,
 )
 from pfemcut.pfem.loads import load_forces, part_particles
@@ -118,6 +119,14 @@ def pressure_volume_ratios(material: Material, cells: IntArray, fields: Fields) 
     return volume_ratio_from_pressure(pressure / material.bulk_modulus, strain)
 
 
+def surface_flow_stress(problem: Problem, mesh: Mesh, fields: Fields) -> Array:
+    """Flow stress of the last step (MPa), averaged over the elements around each particle; (n,)."""
+    hardening = problem.body.material.hardening
+    temperature = element_mean(fields.temperature, mesh.cells)
+    stress = hardening.flow_stress(fields.eqps, _ROOT_2_3 * fields.multiplier_rate, temperature).value
+    return nodal_average(stress, signed_areas(mesh.points, mesh.cells), mesh.cells, len(mesh.points))
+
+
 def prescribed_increments(
     problem: Problem, mesh: Mesh, displacement: Array, start_time: float, step: float
 ) -> tuple[BoolArray, Array]:
@@ -169,6 +178,7 @@ def solve_motion(
         (tool, shape, facing_lengths(shape, mesh.points, mesh.boundary.edges)[candidates])
         for tool, shape in zip(problem.tool, shapes, strict=True)
     )
+    flow_stress = surface_flow_stress(problem, mesh, fields)[candidates]
     # Lumped mass of the backward-Euler inertia term m (u / dt - v) / dt; zero in a quasi-static run.
     mass = lumped(areas * material.density / ratio, cells, count) * float(problem.time.inertia)
     velocity = fields.last_displacement / last_step
@@ -197,6 +207,9 @@ def solve_motion(
                     displacement - step * np.asarray(tool.velocity),
                     lengths,
                     step,
+                    np.hypot(*(velocity[candidates] - np.asarray(tool.velocity)).T),
+                    fields.temperature[candidates],
+                    flow_stress,
                 ),
             )
             for tool, shape, lengths in tools

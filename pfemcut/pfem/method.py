@@ -12,15 +12,16 @@ from meshing.initial import outline_mesh
 from meshing.mesh import Mesh
 from pfemcut.contact.penalty import ContactForces, contact_forces, facing_lengths
 from pfemcut.materials.return_mapping import tensor_norm
-from pfemcut.method import ContactView, Frame, Measures
+from pfemcut.method import Block, ContactView, Frame, Measures
 from pfemcut.pfem import energies
 from pfemcut.pfem.kinematics import element_mean
-from pfemcut.pfem.mechanics import thermal_strain
+from pfemcut.pfem.mechanics import surface_flow_stress, thermal_strain
 from pfemcut.pfem.state import Clock, Ledger, State, from_arrays, initial_fields, to_arrays
 from pfemcut.pfem.step import PHASES, Kernels, StepRecord, advance
 from pfemcut.problem import Problem
 from pfemcut.ranks import Ranks
 from pfemcut.timing import Stopwatch
+from pfemcut.tools.heat_block import HeatBlock, block_mesh
 
 Array = NDArray[np.float64]
 
@@ -32,9 +33,9 @@ _NO_STEP = StepRecord(np.zeros(2), 0, 0, 0, 0, 0, 0.0, 0.0, np.zeros((0, 3)))
 class PfemMethod:
     """A PFEM run: its problem, its state and the record of its last step."""
 
-    def __init__(self, problem: Problem, state: State):
+    def __init__(self, problem: Problem, state: State, heat_blocks: tuple[HeatBlock, ...] = ()):
         self._problem = problem
-        self._kernels = Kernels(MPI.COMM_WORLD)
+        self._kernels = Kernels(MPI.COMM_WORLD, heat_blocks)
         self._state = state
         self._record = _NO_STEP
         self._watch = Stopwatch(PHASES)
@@ -48,6 +49,7 @@ class PfemMethod:
         first = problem.time.first_step_fraction * problem.time.step
         clock = Clock(step=0, time=0.0, last_dt=first, next_dt=first)
         vx, vy = body.velocity
+        blocks = _heat_blocks(problem)
         expansion = float(thermal_strain(body.material, np.asarray(body.temperature)))
         fields = initial_fields(mesh, body.temperature, expansion, (vx * first, vy * first))
         return cls(
@@ -62,13 +64,21 @@ class PfemMethod:
                 last_tool_force=np.zeros(2),
                 last_reactions=np.zeros((len(problem.motions), 3)),
                 probes=_nearest_particles(mesh, [probe.point for probe in problem.probes]),
+                tool_temperature=np.concatenate(
+                    [np.zeros(0)]
+                    + [
+                        np.full(len(block.mesh.points), tool.temperature)
+                        for tool, block in zip(problem.tool, blocks, strict=False)
+                    ]
+                ),
             ),
+            blocks,
         )
 
     @classmethod
     def restore(cls, problem: Problem, arrays: Mapping[str, NDArray[np.generic]]) -> PfemMethod:
         """The run whose :meth:`state` gave ``arrays``."""
-        return cls(problem, from_arrays(arrays))
+        return cls(problem, from_arrays(arrays), _heat_blocks(problem))
 
     @property
     def finished(self) -> bool:
@@ -121,7 +131,8 @@ class PfemMethod:
         problem, state, record = self._problem, self._state, self._record
         ledger = state.ledger
         content = energies.heat_content(problem, state.mesh, state.fields)
-        supplied = ledger.heat_generated + ledger.heat_supplied
+        supplied = ledger.heat_generated + ledger.heat_supplied + max(-ledger.heat_to_tool, 0.0)
+        left = content + max(ledger.heat_to_tool, 0.0)
         cut_area = sum(cut.depth for cut in problem.cut) * self._travel
         return {
             "elements": len(state.mesh.cells),
@@ -142,9 +153,11 @@ class PfemMethod:
             "heat_generated": ledger.heat_generated,
             "heat_supplied": ledger.heat_supplied,
             "heat_remeshing": ledger.heat_remeshing,
-            "heat_error": (supplied - content) / supplied if supplied else 0.0,
+            "heat_to_tool": ledger.heat_to_tool,
+            "heat_error": (supplied - left) / supplied if supplied else 0.0,
             "area_drift": ledger.area_drift / cut_area if cut_area else 0.0,
             "mass_drift": energies.mass(problem, state.mesh, state.fields) / state.initial_mass - 1.0,
+            **self._tool_heat(),
             **self._reactions(),
             **self._probed(),
         }
@@ -188,6 +201,14 @@ class PfemMethod:
                 "plastic_power": fields.plastic_power,
             },
             tool=tuple(tool.at(state.clock.time) for tool in problem.tool),
+            tool_blocks=tuple(
+                Block(
+                    block.mesh.points + state.clock.time * np.asarray(tool.velocity),
+                    block.mesh.cells,
+                    {"temperature": state.tool_temperature},
+                )
+                for tool, block in zip(problem.tool, self._kernels.heat_blocks, strict=False)
+            ),
             contact=self._contact_view(),
         )
 
@@ -209,6 +230,25 @@ class PfemMethod:
         if self._problem.time.inertia:
             sinks += kinetic - self._state.initial_kinetic_energy
         return (work - sinks) / work if work else 0.0
+
+    def _tool_heat(self) -> dict[str, float]:
+        """Temperature and heat of a tool that conducts, with the error of its ledger; empty without one."""
+        problem, state = self._problem, self._state
+        columns = {}
+        for tool, block in zip(problem.tool, self._kernels.heat_blocks, strict=False):
+            temperature = state.tool_temperature
+            content = block.content(temperature, tool.temperature)
+            received = state.ledger.heat_to_tool
+            received += (1.0 - problem.contact.heat_partition) * state.ledger.friction
+            held = content + state.ledger.heat_to_holder
+            columns = {
+                "tool_max_temperature": float(temperature.max()),
+                "tool_hottest_along_rake": float(block.arc_length[np.argmax(temperature[block.surface])]),
+                "tool_heat_content": content,
+                "tool_heat_lost": state.ledger.heat_to_holder,
+                "tool_heat_error": (received - held) / received if received else 0.0,
+            }
+        return columns
 
     def _reactions(self) -> dict[str, float]:
         """Forces of the supports on the body (N/mm), and moments (N) where a motion has a gradient."""
@@ -241,7 +281,15 @@ class PfemMethod:
             lengths = facing_lengths(shape, mesh.points, mesh.boundary.edges)[particles]
             slip = state.fields.last_displacement[particles] - state.clock.last_dt * np.asarray(tool.velocity)
             found: ContactForces = contact_forces(
-                shape, problem.contact, mesh.points[particles], slip, lengths, state.clock.last_dt
+                shape,
+                problem.contact,
+                mesh.points[particles],
+                slip,
+                lengths,
+                state.clock.last_dt,
+                np.hypot(*slip.T) / state.clock.last_dt,
+                state.fields.temperature[particles],
+                surface_flow_stress(problem, mesh, state.fields)[particles],
             )
             touching = found.normal_force > 0.0
             loaded = particles[touching]
@@ -253,6 +301,14 @@ class PfemMethod:
             )
         empty = np.empty(0)
         return ContactView(np.empty(0, dtype=np.int64), empty, empty, empty)
+
+
+def _heat_blocks(problem: Problem) -> tuple[HeatBlock, ...]:
+    """Blocks of the tools that conduct heat, in the order of the tools."""
+    conducting = [(tool.shape, conductor) for tool in problem.tool for conductor in tool.conductor]
+    # Every rank must hold the same bits, so one meshes for all.
+    meshes = Ranks().on_first(lambda: [block_mesh(*each) for each in conducting])
+    return tuple(HeatBlock(*each, mesh) for each, mesh in zip(conducting, meshes, strict=True))
 
 
 def _initial_mesh(problem: Problem) -> Mesh:

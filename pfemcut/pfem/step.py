@@ -32,6 +32,7 @@ from pfemcut.pfem.thermal import Heating, solve_heat
 from pfemcut.pfem.transfer import carry_volume, transfer_fields
 from pfemcut.problem import HeatSource, Problem
 from pfemcut.timing import Stopwatch
+from pfemcut.tools.heat_block import HeatBlock
 
 Array = NDArray[np.float64]
 
@@ -51,11 +52,12 @@ _ROOT_2_3 = np.sqrt(2.0 / 3.0)
 
 
 class Kernels:
-    """Compiled forms of a run."""
+    """Compiled forms of a run, and the block of a tool that conducts heat."""
 
-    def __init__(self, comm: MPI.Comm):
+    def __init__(self, comm: MPI.Comm, heat_blocks: tuple[HeatBlock, ...] = ()):
         keep_freed_memory()
         self.comm = comm
+        self.heat_blocks = heat_blocks
         self.momentum = MomentumKernels(comm)
         self.heat = HeatKernels(comm)
 
@@ -146,6 +148,8 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
                 motion.volume_ratio,
                 _heating_power(problem, motion, plastic, power, step),
                 motion.contact,
+                kernels.heat_blocks,
+                state.tool_temperature,
                 state.clock.time + step,
                 step,
             )
@@ -187,6 +191,7 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
         ledger=ledger,
         last_tool_force=record.tool_force,
         last_reactions=record.reactions,
+        tool_temperature=heating.tool_temperature,
     )
     return new_state, record
 
@@ -295,6 +300,8 @@ def _record(
         stabilisation=_stabilisation_work(material, mesh, fields, motion, pressure, warming, areas),
         heat_generated=heating.generated,
         heat_supplied=heating.supplied,
+        heat_to_tool=heating.to_tool,
+        heat_to_holder=heating.to_holder,
     )
     record = StepRecord(
         tool_force=force,

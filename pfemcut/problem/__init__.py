@@ -29,12 +29,13 @@ from pfemcut.problem.controls import (
     TimeControls,
     VolumetricHistory,
 )
-from pfemcut.problem.problem import Body, ContactLaw, Cut, MovingTool, Probe, Problem
+from pfemcut.problem.problem import Body, Conductor, ContactLaw, Cut, MovingTool, Probe, Problem
 
 __all__ = [
     "Axis",
     "Body",
     "Coarsening",
+    "Conductor",
     "ContactLaw",
     "Convection",
     "Cut",
