@@ -15,6 +15,7 @@ from pfemcut.problem import (
     Cut,
     MovingTool,
     Problem,
+    StabilisationModulus,
     fixed,
 )
 from pfemcut.tools.rigid_wedge import RigidWedge
@@ -52,6 +53,7 @@ def cutting_problem(case: Case, material: Material) -> Problem:
         time=time_controls(case.time, case.cutting.travel / case.cutting.speed),
         newton=newton_controls(case.solver),
         stabilisation=case.solver.stabilisation,
+        stabilisation_modulus=StabilisationModulus(case.solver.stabilisation_modulus),
         cut=(Cut(depth=case.cutting.depth, speed=case.cutting.speed, surface=height),),
     )
 

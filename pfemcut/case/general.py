@@ -33,6 +33,7 @@ from pfemcut.problem import (
     Probe,
     Problem,
     Schedule,
+    StabilisationModulus,
     Traction,
     constant,
 )
@@ -64,6 +65,7 @@ def general_problem(case: GeneralCase, material: Material, base_directory: Path)
         time=time_controls(case.time, case.time.end),
         newton=newton_controls(case.solver),
         stabilisation=case.solver.stabilisation,
+        stabilisation_modulus=StabilisationModulus(case.solver.stabilisation_modulus),
         forces=tuple(DistributedForce(side.part, *_load(side.force)) for side in sides if side.force),
         tractions=tuple(Traction(side.part, *_load(side.traction)) for side in sides if side.traction),
         pressures=tuple(

@@ -154,6 +154,11 @@ class Solver(Section):
     stabilisation: float = Field(
         default=1.0, gt=0, description="Factor alpha_s of the polynomial pressure projection"
     )
+    stabilisation_modulus: Literal["elastic", "secant"] = Field(
+        default="elastic",
+        description="Shear modulus that scales the projection: the material's, or in elements that flow the secant of "
+        "stress over strain",
+    )
 
 
 class Output(Section):
