@@ -155,7 +155,7 @@ class Solver(Section):
         default=1.0, gt=0, description="Factor alpha_s of the polynomial pressure projection"
     )
     stabilisation_modulus: Literal["elastic", "secant"] = Field(
-        default="elastic",
+        default="secant",
         description="Shear modulus that scales the projection: the material's, or in elements that flow the secant of "
         "stress over strain",
     )
