@@ -17,6 +17,7 @@ from pfemcut.problem import (
     MovingTool,
     NewtonControls,
     ParticleControls,
+    StabilisationModulus,
     TimeControls,
     VolumetricHistory,
 )
@@ -78,6 +79,17 @@ def _volumetric_history(spacing: Spacing) -> VolumetricHistory:
     if spacing.volumetric_history == "auto":
         return VolumetricHistory.INCREMENT if spacing.remesh else VolumetricHistory.ELEMENT
     return VolumetricHistory(spacing.volumetric_history)
+
+
+def stabilisation_modulus(solver: Solver, spacing: Spacing) -> StabilisationModulus:
+    """Modulus of the pressure projection.
+
+    Where it acts on the whole pressure, a modulus that changes when an element begins to flow makes the pressure jump.
+    """
+    if solver.stabilisation_modulus == "auto":
+        on_increment = _volumetric_history(spacing) is VolumetricHistory.INCREMENT
+        return StabilisationModulus.SECANT if on_increment else StabilisationModulus.ELASTIC
+    return StabilisationModulus(solver.stabilisation_modulus)
 
 
 def time_controls(time: Time, end: float) -> TimeControls:

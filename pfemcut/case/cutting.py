@@ -5,7 +5,14 @@ from __future__ import annotations
 import math
 
 from meshing.sizes import Box, Capsule, SizeField, SizeZone
-from pfemcut.case.controls import contact_law, moving_tool, newton_controls, particle_controls, time_controls
+from pfemcut.case.controls import (
+    contact_law,
+    moving_tool,
+    newton_controls,
+    particle_controls,
+    stabilisation_modulus,
+    time_controls,
+)
 from pfemcut.case.load import initial_temperature
 from pfemcut.case.schema import Case, Cutting, Mesh, Tool
 from pfemcut.materials.material import Material
@@ -51,6 +58,7 @@ def cutting_problem(case: Case, material: Material) -> Problem:
         time=time_controls(case.time, case.cutting.travel / case.cutting.speed),
         newton=newton_controls(case.solver),
         stabilisation=case.solver.stabilisation,
+        stabilisation_modulus=stabilisation_modulus(case.solver, mesh),
         cut=(Cut(depth=case.cutting.depth, speed=case.cutting.speed, surface=height),),
     )
 

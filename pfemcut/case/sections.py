@@ -251,6 +251,11 @@ class Solver(Section):
     stabilisation: float = Field(
         default=1.0, gt=0, description="Factor alpha_s of the polynomial pressure projection"
     )
+    stabilisation_modulus: Literal["auto", "elastic", "secant"] = Field(
+        default="auto",
+        description="Shear modulus that scales the projection: the material's, or in elements that flow the secant of "
+        "stress over strain; auto takes the secant where the pressure's increment is stabilised, else the material's",
+    )
 
 
 class Output(Section):

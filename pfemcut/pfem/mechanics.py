@@ -31,6 +31,7 @@ from pfemcut.pfem.kinematics import (
 )
 from pfemcut.pfem.loads import load_forces, part_particles
 from pfemcut.pfem.newton import Linearisation, solve_momentum
+from pfemcut.pfem.stabilisation import modulus_ratio
 from pfemcut.pfem.state import Fields
 from pfemcut.problem import Integrator, Problem, VolumetricHistory
 from pfemcut.timing import Stopwatch
@@ -182,6 +183,9 @@ def solve_motion(
     # Lumped mass of the backward-Euler inertia term m (u / dt - v) / dt; zero in a quasi-static run.
     mass = lumped(areas * material.density / ratio, cells, count) * float(problem.time.inertia)
     velocity = fields.last_displacement / last_step
+    softening = modulus_ratio(
+        problem.stabilisation_modulus, fields.b_elastic, fields.eqps, fields.multiplier_rate
+    )
 
     def kinematics(unknown: Array) -> tuple[Trial, Multiplier]:
         trial = elastic_trial(
@@ -226,6 +230,7 @@ def solve_motion(
                 multiplier.by_mu_bar,
                 trial.norm,
                 trial.mu_bar,
+                softening,
             ]
         )
         nodal = NodalForces.sum(

@@ -26,6 +26,7 @@ from pfemcut.problem.controls import (
     Integrator,
     NewtonControls,
     ParticleControls,
+    StabilisationModulus,
     TimeControls,
     VolumetricHistory,
 )
@@ -55,6 +56,7 @@ __all__ = [
     "Probe",
     "Problem",
     "Schedule",
+    "StabilisationModulus",
     "TimeControls",
     "Traction",
     "VolumetricHistory",

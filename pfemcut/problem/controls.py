@@ -38,6 +38,16 @@ class VolumetricHistory(Enum):
     MIXED = "mixed"
 
 
+class StabilisationModulus(Enum):
+    """Shear modulus that scales the pressure projection.
+
+    ELASTIC: that of the material, as in the paper. SECANT: of stress over total strain in elements that flow.
+    """
+
+    ELASTIC = "elastic"
+    SECANT = "secant"
+
+
 class ErrorEstimator(Enum):
     """Element field whose Zienkiewicz-Zhu error decides where particles may go."""
 

@@ -19,7 +19,7 @@ from pfemcut.problem.conditions import (
     Pressure,
     Traction,
 )
-from pfemcut.problem.controls import NewtonControls, ParticleControls, TimeControls
+from pfemcut.problem.controls import NewtonControls, ParticleControls, StabilisationModulus, TimeControls
 from pfemcut.tools.rigid_wedge import RigidWedge
 
 
@@ -188,6 +188,8 @@ class Problem:
         Reference figures if the problem is a cut, else empty.
     probes
         Points to follow.
+    stabilisation_modulus
+        Shear modulus in the pressure projection.
     """
 
     title: str
@@ -208,3 +210,4 @@ class Problem:
     heat_bands: tuple[MovingHeatBand, ...] = ()
     convections: tuple[Convection, ...] = ()
     probes: tuple[Probe, ...] = ()
+    stabilisation_modulus: StabilisationModulus = StabilisationModulus.ELASTIC
