@@ -16,11 +16,11 @@ SHEAR = SIGMA * np.array([[0.0, 0.0, 0.0, 1.0 / np.sqrt(3.0)]])
 
 @pytest.mark.parametrize("deviator", [TENSION, SHEAR], ids=["tension", "shear"])
 def test_secant_modulus_of_a_flowing_element(deviator: np.ndarray) -> None:
-    """sigma / (sigma + 3 mu eqps) to 1e-12, whatever the direction of the stress, and no less than 0.02."""
+    """sigma / (sigma + 3 mu eqps) to 1e-12, whatever the direction of the stress, and no less than 0.1."""
     eqps = np.array([1e-3, 5e-3, 0.02, 3.0])
     b = np.repeat(elastic_strain(deviator, MU), len(eqps), axis=0)
     found = modulus_ratio(StabilisationModulus.SECANT, b, eqps, np.ones_like(eqps))
-    assert found == pytest.approx(np.maximum(SIGMA / (SIGMA + 3.0 * MU * eqps), 0.02), rel=1e-12)
+    assert found == pytest.approx(np.maximum(SIGMA / (SIGMA + 3.0 * MU * eqps), 0.1), rel=1e-12)
 
 
 def test_elastic_where_nothing_flows() -> None:

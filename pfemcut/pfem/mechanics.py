@@ -255,9 +255,16 @@ def solve_motion(
     incremental = problem.particles.volumetric_history is VolumetricHistory.INCREMENT
     settled = fields.pressure if incremental else np.zeros(count)
     size = np.sqrt(lumped(areas, cells, count))
-    frictionless = problem.contact.friction == 0.0
     with MomentumSystem(
-        kernels, partition, mesh.points, fixed, moduli, strain, settled, frictionless, watch
+        kernels,
+        partition,
+        mesh.points,
+        fixed,
+        moduli,
+        strain,
+        settled,
+        symmetric=problem.contact.friction.frictionless,
+        watch=watch,
     ) as system:
         solution = solve_momentum(
             system,
