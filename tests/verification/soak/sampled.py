@@ -1,4 +1,7 @@
-"""A run through the driver, outputs included, with the process's resident memory sampled on the way."""
+"""A run through the driver, outputs included, with the process's resident memory sampled on the way.
+
+Samples go to a file as they come, so that a soak that was stopped leaves what it found.
+"""
 
 from __future__ import annotations
 
@@ -15,6 +18,7 @@ from pfemcut.case.translate import problem_of
 from pfemcut.driver import MethodFactory, run_problem
 from pfemcut.method import Frame, Measures
 from pfemcut.pfem.method import PfemMethod
+from pfemcut.results.history import TableWriter, read_table
 from pfemcut.results.summary import Summary
 
 Sample = dict[str, float]
@@ -29,14 +33,14 @@ class SampledMethod:
         The method that does the work.
     every
         Steps between samples.
-    samples
+    table
         Where samples go.
     """
 
-    def __init__(self, method: PfemMethod, every: int, samples: list[Sample]) -> None:
+    def __init__(self, method: PfemMethod, every: int, table: TableWriter) -> None:
         self._method = method
         self._every = every
-        self._samples = samples
+        self._table = table
         self._slowest = 0.0
         self._sampled_at = time.perf_counter()
 
@@ -70,7 +74,7 @@ class SampledMethod:
     def _sample(self, step: int) -> None:
         now = time.perf_counter()
         state = self._method.current
-        self._samples.append(
+        self._table.append(
             {
                 "step": step,
                 "travel": self._method.measure().travel,
@@ -91,15 +95,26 @@ def resident_megabytes() -> float:
 
 
 def sampled_run(case_file: Path, directory: Path, every: int) -> tuple[Summary, list[Sample]]:
-    """Run a case into ``directory``, whose earlier results are replaced; its summary and a sample per ``every`` steps."""
+    """Run a case into ``directory``, whose earlier results are replaced, with a sample every so many steps.
+
+    Returns
+    -------
+    summary
+        The run's summary.
+    samples
+        Rows of ``memory.csv`` in the directory.
+    """
     case, material = load_case(case_file, [])
     problem = problem_of(case, material, case_file.parent)
-    samples: list[Sample] = []
-
-    def restore(state: Mapping[str, NDArray[Any]]) -> SampledMethod:
-        return SampledMethod(PfemMethod.restore(problem, state), every, samples)
-
-    factory = MethodFactory(lambda: SampledMethod(PfemMethod.start(problem), every, samples), restore)
-    inputs = resolved_toml(case, material)
-    summary = run_problem(problem, factory, directory, case.output, inputs=inputs, overwrite=True)
-    return summary, samples
+    directory.mkdir(parents=True, exist_ok=True)
+    path = directory / "memory.csv"
+    path.unlink(missing_ok=True)
+    with TableWriter(path) as table:
+        factory = MethodFactory(
+            start=lambda: SampledMethod(PfemMethod.start(problem), every, table),
+            restore=lambda state: SampledMethod(PfemMethod.restore(problem, state), every, table),
+        )
+        inputs = resolved_toml(case, material)
+        summary = run_problem(problem, factory, directory, case.output, inputs=inputs, overwrite=True)
+    columns = read_table(path)
+    return summary, [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
