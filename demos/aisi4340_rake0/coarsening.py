@@ -87,7 +87,7 @@ STUDY = Study(
         Variant("stress", ('mesh.coarsening="stress"', "mesh.coarsening_tolerance=0.05")),
     ),
     conclude,
-    travel=0.8,
+    travel=0.9,
 )
 
 if __name__ == "__main__":

@@ -76,7 +76,7 @@ class Spacing(Section):
         description="Error estimator (Zienkiewicz-Zhu) that removes particles where it finds no error",
     )
     coarsening_tolerance: float = Field(
-        default=0.01,
+        default=0.05,
         gt=0,
         le=1,
         description="Error, relative to the largest value of the field, below which the spacing may grow",

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from meshing.initial import outline_mesh
 from meshing.locate import locate
 from meshing.mesh import Mesh, signed_areas
-from meshing.remesh import RemeshMap, SpacingRules, remesh
+from meshing.remesh import RemeshMap, SpacingFactors, SpacingRules, remesh
 from meshing.sizes import SizeField
 from pfemcut.pfem.transfer import transfer_elements, transfer_particles
 from pfemcut.problem import ElementTransfer
@@ -134,7 +134,7 @@ def remeshed(mesh: Mesh, size: float, rules: SpacingRules = RULES) -> tuple[Mesh
         rules,
         refine_score=np.zeros(len(mesh.cells)),
         removal_scale=np.ones(len(mesh.points)),
-        coarsening=np.ones(len(mesh.points)),
+        coarsening=SpacingFactors.none(len(mesh.points)),
         locked=np.zeros(len(mesh.points), dtype=bool),
         free=free,
         place_boundary=lambda a, b: 0.5 * (a + b),
