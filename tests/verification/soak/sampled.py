@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -94,7 +94,9 @@ def resident_megabytes() -> float:
     return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
 
 
-def sampled_run(case_file: Path, directory: Path, every: int) -> tuple[Summary, list[Sample]]:
+def sampled_run(
+    case_file: Path, directory: Path, every: int, overrides: Sequence[str] = ()
+) -> tuple[Summary, list[Sample]]:
     """Run a case into ``directory``, whose earlier results are replaced, with a sample every so many steps.
 
     Returns
@@ -104,7 +106,7 @@ def sampled_run(case_file: Path, directory: Path, every: int) -> tuple[Summary, 
     samples
         Rows of ``memory.csv`` in the directory.
     """
-    case, material = load_case(case_file, [])
+    case, material = load_case(case_file, overrides)
     problem = problem_of(case, material, case_file.parent)
     directory.mkdir(parents=True, exist_ok=True)
     path = directory / "memory.csv"
