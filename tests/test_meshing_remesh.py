@@ -12,9 +12,10 @@ from problems import RULES, Array, rectangle_mesh, star_mesh
 
 from meshing.interior import refinement_points
 from meshing.locate import locate
-from meshing.mesh import Mesh, boundary_area, circumradii, signed_areas, unique_edges
+from meshing.mesh import Boundary, Mesh, boundary_area, circumradii, signed_areas, unique_edges
 from meshing.remesh import RemeshMap, SpacingFactors, SpacingRules, remesh
 from meshing.sizes import Box, Capsule, SizeField, SizeZone
+from meshing.triangulation import constrained_delaunay
 
 SIZE = 0.12
 UNIFORM = SizeField((), SIZE)
@@ -328,6 +329,29 @@ def test_coarsening_thins_inside_and_on_the_free_boundary_and_comes_to_rest() ->
     assert held_side == held_before
     kept = np.isin(before.ids, mesh.ids)
     assert kept[before.points[:, 0] < 0.8].all()
+
+
+def test_no_boundary_edge_collapses_at_the_cost_of_a_split_beside_it() -> None:
+    """Beside a corner that holds the wished spacing a collapse would make an edge too long: one that comes back."""
+    spacing = 0.065
+    right = np.array([0.0, 0.0667, 0.1334, 0.2335, 0.3335, 0.4335])
+    width = np.linspace(0.0, 0.4, 5)
+    bottom = np.column_stack([width, np.zeros(5)])
+    side = np.column_stack([np.full(6, 0.4), right])
+    top = np.column_stack([width[::-1], np.full(5, right[-1])])
+    left = np.column_stack([np.zeros(5), np.linspace(right[-1], 0.0, 5)])
+    points = np.vstack([each[:-1] for each in (bottom, side, top, left)])
+    count = len(points)
+    boundary = Boundary(np.arange(count), np.repeat([0, 1, 2, 3], [4, 5, 4, 4]), np.array([0, count]))
+    cells = constrained_delaunay(points, boundary.edges)
+    mesh = Mesh(points, cells, boundary, np.arange(count), count)
+    wide = np.full(count, 3.0)
+    free = mesh.points[:, 1] > 0.0
+    _, where = run(mesh, SizeField((), spacing), free=free, coarsening=SpacingFactors(wide, wide))
+    assert where.removed == 0
+    everywhere = np.ones(count, dtype=bool)  # without such a corner the edges go
+    _, where = run(mesh, SizeField((), spacing), free=everywhere, coarsening=SpacingFactors(wide, wide))
+    assert where.removed > 0
 
 
 def test_plastic_power_refines_to_the_smallest_spacing_and_not_beyond() -> None:

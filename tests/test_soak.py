@@ -20,7 +20,9 @@ sampled_run(Path("tests/verification/soak/case.toml"), Path({directory!r}), 50, 
 """
 
 
-@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="resident memory is read from Linux's /proc")
+@pytest.mark.skipif(
+    not Path("/proc/self/statm").exists(), reason="resident memory is read from Linux's /proc"
+)
 def test_memory_stays_flat_over_hundreds_of_steps(tmp_path: Path) -> None:
     """In a process of its own, whose memory holds nothing of other tests."""
     subprocess.run(

@@ -79,7 +79,7 @@ class Spacing(Section):
         default=0.05,
         gt=0,
         le=1,
-        description="Error, relative to the largest value of the field, below which the spacing may grow",
+        description="Error, relative to the largest value of the field, below which the spacing may grow; that of the temperature counts ten times",
     )
     coarsening_largest: float = Field(
         default=3.0, ge=1, le=20, description="Largest spacing by the estimator, relative to h"

@@ -19,7 +19,7 @@ from meshing.mesh import Mesh, signed_areas
 from meshing.remesh import SpacingFactors
 from meshing.sizes import SizeField
 from pfemcut.materials.return_mapping import tensor_norm
-from pfemcut.pfem.kinematics import element_mean, nodal_average
+from pfemcut.pfem.kinematics import element_mean, nodal_average, shape_gradients
 from pfemcut.pfem.state import Fields
 from pfemcut.problem import Coarsening, ErrorEstimator, Problem
 
@@ -27,6 +27,7 @@ Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 _HYSTERESIS = 3.0  # ratio of the tolerance that asks for insertion to that which allows removal
+_HEAT = 0.1  # tolerance of the temperature relative to that of the estimator
 _REST = 1e-2  # plastic power per volume below which an element is at rest, relative to where the body flows
 _APPROACH = -1e-2  # change of the wished spacing per way below which material moves into a finer zone
 _EQUILATERAL = 4.0 / np.sqrt(3.0)  # of side² over area
@@ -54,15 +55,18 @@ def coarsening_factors(
     wished = sizes(mesh.points)
     present = nodal_average(np.sqrt(_EQUILATERAL * areas), areas, mesh.cells, count)
     error = relative_error(mesh, _estimated_quantity(problem, fields, rule))
-    patch_error = np.sqrt(nodal_average(error**2, areas, mesh.cells, count))
-    allowed = rule.tolerance / np.maximum(patch_error, 1e-12) * present / wished
+    growth = rule.tolerance / _patch_error(mesh, areas, error)
+    # Heat flows on where the body is at rest. The error of a linear field is of second order in the spacing.
+    heat_error = temperature_error(mesh, fields.temperature)
+    growth = np.minimum(growth, np.sqrt(_HEAT * rule.tolerance / _patch_error(mesh, areas, heat_error)))
+    allowed = growth * present / wished
     passed = ~_approaching(mesh.points, wished, sizes, fields.last_displacement - sizes_shift)
-    flows = _round(_flowing(fields.plastic_power, areas), mesh)
-    flows_nearby = _round(flows[mesh.cells].any(axis=1), mesh)
+    flows = np.zeros(count, dtype=bool)
+    flows[mesh.cells[_flowing(fields.plastic_power, areas)]] = True
     insertion = np.where(passed & ~flows, np.clip(_HYSTERESIS * allowed, 1.0, rule.largest), 1.0)
-    removal = np.where(passed & ~flows_nearby, np.clip(allowed, 1.0, rule.largest), 1.0)
     # A removal widens the spacing around: no more than what the neighbours may have without an insertion.
-    return SpacingFactors(removal=np.minimum(removal, _smallest_around(insertion, mesh)), insertion=insertion)
+    removal = np.minimum(np.clip(allowed, 1.0, rule.largest), _smallest_around(insertion, mesh))
+    return SpacingFactors(removal, insertion)
 
 
 def relative_error(mesh: Mesh, values: Array) -> Array:
@@ -80,19 +84,35 @@ def _approaching(points: Array, wished: Array, sizes: SizeField, way: Array) -> 
     return wished - sizes(points - way) < _APPROACH * np.hypot(*way.T)
 
 
+def temperature_error(mesh: Mesh, temperature: Array) -> Array:
+    """Estimated error of the ``temperature`` (n,) in each element relative to its range; (m,).
+
+    What separates the element's gradient from the recovered one, over the side of the element.
+    """
+    extent = float(np.ptp(temperature))
+    if extent == 0.0:
+        return np.zeros(len(mesh.cells))
+    areas = signed_areas(mesh.points, mesh.cells)
+    gradient = np.einsum("mai,ma->mi", shape_gradients(mesh.points, mesh.cells), temperature[mesh.cells])
+    recovered = np.column_stack(
+        [nodal_average(each, areas, mesh.cells, len(mesh.points)) for each in gradient.T]
+    )
+    jump = np.hypot(*(element_mean(recovered, mesh.cells) - gradient).T)
+    return jump * np.sqrt(_EQUILATERAL * areas) / extent
+
+
+def _patch_error(mesh: Mesh, areas: Array, error: Array) -> Array:
+    """Root mean square of an element ``error`` (m,) over the elements round each particle; (n,)."""
+    mean_square = nodal_average(error**2, areas, mesh.cells, len(mesh.points))
+    return np.maximum(np.sqrt(mean_square), 1e-12)
+
+
 def _flowing(power: Array, areas: Array) -> BoolArray:
     """Elements whose plastic ``power`` per volume is not small beside its mean over the dissipation; (m,)."""
     dissipation = float(power @ areas)
     if dissipation <= 0.0:
         return np.zeros(len(power), dtype=bool)
     return power > _REST * float(power**2 @ areas) / dissipation
-
-
-def _round(elements: BoolArray, mesh: Mesh) -> BoolArray:
-    """Particles of the marked ``elements`` (m,); shape (n,)."""
-    marked = np.zeros(len(mesh.points), dtype=bool)
-    marked[mesh.cells[elements]] = True
-    return marked
 
 
 def _smallest_around(values: Array, mesh: Mesh) -> Array:
