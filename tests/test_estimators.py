@@ -103,6 +103,19 @@ def test_material_that_moves_into_a_fine_zone_keeps_its_particles() -> None:
     assert np.all(found.removal[ahead] == LARGEST)
 
 
+def test_a_hot_layer_keeps_its_particles() -> None:
+    """A layer two spacings thick at the surface of a body whose plastic strain is uniform."""
+    y = MESH.points[:, 1]
+    found = factors(replace(fields(), temperature=300.0 + 500.0 * np.exp((y - 1.0) / SIZE)))
+    assert np.all(found.removal[y > 1.0 - SIZE] == 1.0)
+    assert np.all(found.removal[y < 0.2] > 2.0)
+
+
+def test_a_uniform_temperature_gradient_is_no_error() -> None:
+    warm = 300.0 + 500.0 * MESH.points[:, 1]
+    assert np.all(factors(replace(fields(), temperature=warm)).removal == LARGEST)
+
+
 @given(st.integers(0, 10_000), st.floats(0.001, 1.0))
 def test_what_is_removed_is_not_asked_for_again(seed: int, tolerance: float) -> None:
     """Any field: removal never goes beyond what a neighbour may have without an insertion."""
