@@ -2,7 +2,7 @@
 
     python demos/aisi4340_rake0/coarsening.py [-o DIR] [--resume | --overwrite] [--travel MM] [--only NAME]
 
-On the reduced block and coarse mesh of demos/aisi4340_demo. At its default tolerance the estimator on the plastic strain
+On the reduced block and coarse mesh of demos/aisi4340_demo. At the default tolerance, the estimator on plastic strain
 must not move the steady forces and the maximum temperature by more than 1 %, the heat ledger must close to 1 %, and the
 particles gained per mm over the last half of the cut must be less than a tenth of those without it.
 """
