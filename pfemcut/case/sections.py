@@ -151,13 +151,15 @@ class Spacing(Section):
     )
     coarsening: Literal["none", "plastic-strain", "stress"] = Field(
         default="none",
-        description="Error estimator (Zienkiewicz-Zhu) that removes particles where it finds no error",
+        description="Error estimator (Zienkiewicz-Zhu) that removes particles where it finds no error in material "
+        "without plastic flow that has left the fine zones",
     )
     coarsening_tolerance: float = Field(
-        default=0.01,
+        default=0.05,
         gt=0,
         le=1,
-        description="Error, relative to the largest value of the field, below which the spacing may grow",
+        description="Error, relative to the largest value of the field, below which the spacing may grow; "
+        "the temperature's must be below a tenth of it",
     )
     coarsening_largest: float = Field(
         default=3.0, ge=1, le=20, description="Largest spacing by the estimator, relative to h"

@@ -10,7 +10,7 @@ from meshing.remesh import RemeshMap, SpacingRules, remesh
 from meshing.sizes import SizeField
 from pfemcut.pfem.estimators import coarsening_factors
 from pfemcut.pfem.loads import part_particles
-from pfemcut.pfem.state import Fields
+from pfemcut.pfem.state import Clock, Fields
 from pfemcut.problem import ParticleControls, Problem
 from pfemcut.tools.rigid_wedge import RigidWedge
 
@@ -25,9 +25,9 @@ _CONTACT_EDGE = 0.1  # an edge whose ends are closer to the tool than this times
 
 
 def remesh_particles(
-    problem: Problem, mesh: Mesh, fields: Fields, time: float, probe_ids: IntArray
+    problem: Problem, mesh: Mesh, fields: Fields, clock: Clock, probe_ids: IntArray
 ) -> tuple[Mesh, RemeshMap]:
-    """Remove and insert particles and triangulate anew, at ``time`` (s); particles with ``probe_ids`` stay.
+    """Remove and insert particles and triangulate anew; particles with ``probe_ids`` stay.
 
     Raises
     ------
@@ -35,8 +35,8 @@ def remesh_particles(
         If the body overlaps itself.
     """
     controls = problem.particles
-    sizes = sizes_at(problem, time)
-    tools = tuple(tool.at(time) for tool in problem.tool)
+    sizes = sizes_at(problem, clock.time)
+    tools = tuple(tool.at(clock.time) for tool in problem.tool)
     score = plastic_power_score(mesh, fields, controls)
     probes = np.isin(mesh.ids, probe_ids)
     locked = supported_particles(problem, mesh) | probes
@@ -48,7 +48,9 @@ def remesh_particles(
         spacing_rules(controls),
         refine_score=score,
         removal_scale=scale,
-        coarsening=coarsening_factors(problem, mesh, fields),
+        coarsening=coarsening_factors(
+            problem, mesh, fields, sizes, clock.last_dt * np.asarray(controls.sizes_velocity)
+        ),
         locked=locked,
         free=_free_particles(problem, mesh, tools, sizes, locked),
         place_boundary=lambda a, b: _place_on_surface(a, b, tools),

@@ -220,9 +220,7 @@ def _particle_step(
         return state.mesh, carry_volume(problem, state.mesh, state.fields, unchanged), ()
     with watch.phase("particles"):
         try:
-            mesh, remesh_map = remesh_particles(
-                problem, state.mesh, state.fields, state.clock.time, state.probes
-            )
+            mesh, remesh_map = remesh_particles(problem, state.mesh, state.fields, state.clock, state.probes)
         except (BoundaryCrossing, TriangulationFailed) as failure:
             what = f"{problem.body.name} after step {state.clock.step}"
             if isinstance(failure, BoundaryCrossing) and problem.cut:

@@ -60,12 +60,15 @@ class ErrorEstimator(Enum):
 class Coarsening:
     """Removal of particles where an error estimator finds nothing to resolve (paper, section 2.1 and Fig. 2).
 
+    Only of material without plastic flow that does not move into a zone of finer spacing.
+
     Attributes
     ----------
     estimator
         What is estimated.
     tolerance
-        Error, relative to the field's largest value, at which the wished spacing holds; below, spacing grows.
+        Error, relative to the field's largest value, to which the spacing may grow; the temperature's, relative to
+        its range, only to a tenth of it.
     largest
         Largest spacing, relative to the wished one.
     """

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from meshing.initial import outline_mesh
 from meshing.locate import locate
 from meshing.mesh import Mesh, signed_areas
-from meshing.remesh import RemeshMap, SpacingRules, remesh
+from meshing.remesh import RemeshMap, SpacingFactors, SpacingRules, remesh
 from meshing.sizes import SizeField
 from pfemcut.pfem.conservation import changed_patches, conserve
 from pfemcut.pfem.kinematics import lumped
@@ -136,7 +136,7 @@ def remeshed(mesh: Mesh, size: float, rules: SpacingRules = RULES) -> tuple[Mesh
         rules,
         refine_score=np.zeros(len(mesh.cells)),
         removal_scale=np.ones(len(mesh.points)),
-        coarsening=np.ones(len(mesh.points)),
+        coarsening=SpacingFactors.none(len(mesh.points)),
         locked=np.zeros(len(mesh.points), dtype=bool),
         free=free,
         place_boundary=lambda a, b: 0.5 * (a + b),
