@@ -194,7 +194,9 @@ def solve_motion(
             material.shear_modulus,
         )
         if problem.time.integrator is Integrator.IMPLICIT:
-            multiplier = implicit_multiplier(trial, material.hardening, fields.eqps, temperature, step)
+            multiplier = implicit_multiplier(
+                trial, material.hardening, fields.eqps, temperature, step, fields.multiplier_rate
+            )
         else:
             multiplier = extrapolated_multiplier(trial, fields.multiplier_rate, step)
         return trial, multiplier
@@ -320,7 +322,9 @@ def update_plasticity(
     """Backward-Euler return mapping at the solved displacement and the temperature of the start of the step."""
     material = problem.body.material
     temperature = element_mean(fields.temperature, mesh.cells)
-    multiplier = implicit_multiplier(motion.trial, material.hardening, fields.eqps, temperature, step).value
+    multiplier = implicit_multiplier(
+        motion.trial, material.hardening, fields.eqps, temperature, step, motion.multiplier / step
+    ).value
     increment = _ROOT_2_3 * multiplier
     eqps = fields.eqps + increment
     deviator = returned_deviator(motion.trial, multiplier)
