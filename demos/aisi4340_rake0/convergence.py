@@ -3,7 +3,8 @@
     python demos/aisi4340_rake0/convergence.py [-o DIR] [--resume | --overwrite] [--travel MM] [--only NAME]
 
 On the reduced block of demos/aisi4340_demo: three meshes at twice the paper's step (all sizes refined by the same
-ratio), and three steps on the middle mesh: the paper's, twice and four times that. Grid convergence index after Roache (1994): 1.25 |relative change| / (r^p - 1).
+ratio), and three steps on the middle mesh: the paper's, twice and four times that. Grid convergence index after Roache
+(1994): 1.25 |relative change| / (r^p - 1).
 """
 
 import math
