@@ -81,8 +81,9 @@ def momentum_system(thermal_strain: Array, mesh: Mesh = MESH) -> Iterator[Moment
     momentum = kernels().momentum
     distributed = DistributedMesh(momentum.comm, mesh.points, mesh.cells, momentum.domain)
     fixed = np.zeros((len(mesh.points), 3), dtype=bool)
+    moduli = np.tile([MU, KAPPA], (len(mesh.cells), 1))
     with MomentumSystem(
-        momentum, distributed, fixed, (MU, KAPPA, ALPHA_S), thermal_strain, SETTLED, Stopwatch(PHASES)
+        momentum, distributed, fixed, moduli, ALPHA_S, thermal_strain, SETTLED, Stopwatch(PHASES)
     ) as system:
         yield system
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from pfemcut.fem import runtime
+from pfemcut.fem.couplings import add_blocks, coupled_matrix, pairs_within
 from pfemcut.fem.direct_solver import DirectSolver
 from pfemcut.fem.distribution import CellSpace, DistributedMesh, NodalSpace
 from pfemcut.pfem.momentum import ELEMENT_COMPONENTS, MomentumSymbols, momentum_forms
@@ -35,6 +36,7 @@ class MomentumKernels:
         self.mixed = runtime.CompiledElement(comm, runtime.nodal_element(3))
         self.scalar = runtime.CompiledElement(comm, runtime.nodal_element(1))
         self.element = runtime.CompiledElement(comm, runtime.cell_element(ELEMENT_COMPONENTS))
+        self.pair = runtime.CompiledElement(comm, runtime.cell_element(2))
 
 
 @dataclass(frozen=True)
@@ -48,7 +50,8 @@ class NodalForces:
     forces
         Force on the body per mm of width (N/mm); shape (k, 2).
     rows, columns
-        Particle pairs that the stiffness couples, edges of the mesh or a particle with itself; shape (s,).
+        Particle pairs that the stiffness couples: edges of the mesh, a particle with itself, or couplings that the
+        system was told of; shape (s,).
     stiffness
         Minus the derivative of the force on ``rows`` by the displacement of ``columns``; shape (s, 2, 2).
     """
@@ -90,13 +93,17 @@ class MomentumSystem:
     fixed
         Unknowns (u_x, u_y, p) with prescribed increments; shape (n, 3).
     moduli
-        Shear modulus, bulk modulus (MPa) and stabilisation factor.
+        Shear and bulk modulus of the elements (MPa); shape (m, 2).
+    stabilisation
+        Factor alpha_s of the pressure projection.
     thermal_strain
         3 alpha (theta - theta_0) on particles; shape (n,).
     settled_pressure
         What the stabilisation leaves out of the pressure (MPa); shape (n,).
     watch
         Times set-up, assembly and linear solves.
+    couplings
+        Groups of particles that contact may couple though they share no element.
     """
 
     def __init__(
@@ -104,23 +111,29 @@ class MomentumSystem:
         kernels: MomentumKernels,
         mesh: DistributedMesh,
         fixed: BoolArray,
-        moduli: tuple[float, float, float],
+        moduli: Array,
+        stabilisation: float,
         thermal_strain: Array,
         settled_pressure: Array,
         watch: Stopwatch,
+        couplings: Sequence[IntArray] = (),
     ):
         self._watch = watch
         with watch.phase("system"):
-            self._set_up(kernels, mesh, fixed, moduli, thermal_strain, settled_pressure)
+            self._set_up(
+                kernels, mesh, fixed, moduli, stabilisation, thermal_strain, settled_pressure, couplings
+            )
 
     def _set_up(
         self,
         kernels: MomentumKernels,
         mesh: DistributedMesh,
         fixed: BoolArray,
-        moduli: tuple[float, float, float],
+        moduli: Array,
+        stabilisation: float,
         thermal_strain: Array,
         settled_pressure: Array,
+        couplings: Sequence[IntArray],
     ) -> None:
         symbols = kernels.symbols
         self._count = len(fixed)
@@ -135,13 +148,9 @@ class MomentumSystem:
             symbols.element: self._element,
             symbols.thermal_strain: scalar.function(thermal_strain),
             symbols.settled_pressure: scalar.function(settled_pressure),
+            symbols.moduli: CellSpace(mesh, kernels.pair).function(moduli),
         }
-        constants = {
-            symbol: runtime.new_constant(value)
-            for symbol, value in zip(
-                (symbols.shear_modulus, symbols.bulk_modulus, symbols.stabilisation), moduli, strict=True
-            )
-        }
+        constants = {symbols.stabilisation: runtime.new_constant(stabilisation)}
         space = self._mixed.cpp
         self._residual = tuple(
             part.bind(mesh.cpp, [space], functions, constants) for part in kernels.residual
@@ -150,7 +159,8 @@ class MomentumSystem:
             part.bind(mesh.cpp, [space, space], functions, constants) for part in kernels.jacobian
         )
         self._fixed_rows = np.flatnonzero(fixed[self._mixed.particles].ravel()).astype(np.int32)
-        self._matrix = runtime.new_matrix(self._jacobian[0])
+        self._matrix = coupled_matrix(self._jacobian[0], self._mixed, couplings, self._count)
+        self._coupled = pairs_within(couplings)
         self._matrix.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
         self._right, self._solution = self._matrix.createVecs()
         self._solver = DirectSolver(self._matrix)
@@ -205,20 +215,13 @@ class MomentumSystem:
             return self._mixed.gather(self._solution.array_r, self._count), solved
 
     def _add_nodal_stiffness(self, nodal: NodalForces) -> None:
-        if len(nodal.rows) == 0:
-            return
-        node = self._global_nodes
-        first, last = self._matrix.getOwnershipRange()
-        mine = (3 * node[nodal.rows] >= first) & (3 * node[nodal.rows] < last)
-        rows = (3 * node[nodal.rows[mine]][:, None] + np.arange(2)).astype(np.int32)
-        columns = (3 * node[nodal.columns[mine]][:, None] + np.arange(2)).astype(np.int32)
-        self._matrix.setValuesIJV(
-            np.arange(0, 2 * rows.size + 1, 2, dtype=np.int32),
-            np.repeat(columns, 2, axis=0).ravel(),
-            nodal.stiffness[mine].ravel(),
-            addv=PETSc.InsertMode.ADD_VALUES,
-            rowmap=rows.ravel(),
-        )
+        if len(nodal.rows):
+            add_blocks(self._matrix, self._global_nodes, 3, nodal.rows, nodal.columns, nodal.stiffness)
+        if len(self._coupled[0]):
+            # An entry that the first assembly does not set is lost to the later ones.
+            rows, columns = self._coupled
+            add_blocks(self._matrix, self._global_nodes, 3, rows, columns, np.zeros((len(rows), 2, 2)))
+            self._coupled = pairs_within(())
 
     def _accumulate(self, local: Array) -> Array:
         """Sum of all ranks' local contributions, ghosts included, on every rank; shape (n, 3)."""

@@ -6,7 +6,7 @@ Written for dolfinx 0.5.2 (Debian 12).
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -144,6 +144,19 @@ def new_constant(value: float) -> Any:
 def new_matrix(form: Any) -> Any:
     """A PETSc matrix with the sparsity of the bilinear ``form``; the caller destroys it."""
     return cpp.fem.petsc.create_matrix(form)
+
+
+def new_coupled_matrix(space: Any, groups: Iterable[NDArray[np.int32]]) -> Any:
+    """A PETSc matrix on the ``space`` whose pattern also couples the local nodes of each of ``groups``."""
+    mesh = space.mesh
+    dofmap = space.dofmap
+    pattern = cpp.fem.create_sparsity_pattern(
+        mesh.topology, [dofmap, dofmap], {cpp.fem.IntegralType.cell}
+    )
+    for group in groups:
+        pattern.insert(group, group)
+    pattern.assemble()
+    return cpp.la.petsc.create_matrix(mesh.comm, pattern)
 
 
 def assemble_matrix(matrix: Any, form: Any) -> None:

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshing.mesh import Mesh, signed_areas
+from pfemcut.contact.node_to_segment import SurfaceContact
 from pfemcut.contact.penalty import ContactForces, contact_forces, facing_lengths
 from pfemcut.fem.distribution import DistributedMesh
 from pfemcut.fem.momentum_system import MomentumKernels, MomentumSystem, NodalForces
-from pfemcut.materials.material import Material
 from pfemcut.materials.return_mapping import (
     Multiplier,
     Trial,
@@ -22,16 +22,19 @@ from pfemcut.materials.return_mapping import (
     returned_deviator,
 )
 from pfemcut.materials.volumetric import volume_ratio_from_pressure
+from pfemcut.pfem.body_contact import contact_search, interface_contact, nodal_forces, require_found
+from pfemcut.pfem.bodies import densities, moduli, over_cells, thermal_strains
 from pfemcut.pfem.kinematics import (
     deformation_gradient,
     element_mean,
     lumped,
+    nodal_average,
     shape_gradients,
 )
 from pfemcut.pfem.loads import load_forces, part_particles
 from pfemcut.pfem.newton import Linearisation, solve_momentum
 from pfemcut.pfem.state import Fields
-from pfemcut.problem import Integrator, Problem, VolumetricHistory
+from pfemcut.problem import Body, Integrator, Problem, VolumetricHistory
 from pfemcut.timing import Stopwatch
 
 Array = NDArray[np.float64]
@@ -64,7 +67,9 @@ class Motion:
     reactions
         Forces of prescribed motions on the body (N/mm); (n, 2).
     contact
-        One entry for each tool.
+        One entry for each rigid tool.
+    body_contact
+        One entry for each contact pair.
     volume_ratio
         J at the end of the step; (m,).
     trial
@@ -79,6 +84,7 @@ class Motion:
     pressure: Array
     reactions: Array
     contact: tuple[ContactResult, ...]
+    body_contact: tuple[SurfaceContact, ...]
     volume_ratio: Array
     trial: Trial
     multiplier: Array
@@ -106,16 +112,11 @@ class PlasticUpdate:
     flow_stress: Array
 
 
-def thermal_strain(material: Material, temperature: Array) -> Array:
-    """e = 3 alpha (theta - theta_0) of the temperature (K); same shape."""
-    return 3.0 * material.expansion(temperature) * (temperature - material.reference_temperature)
-
-
-def pressure_volume_ratios(material: Material, mesh: Mesh, fields: Fields) -> Array:
+def pressure_volume_ratios(problem: Problem, mesh: Mesh, fields: Fields) -> Array:
     """J of the elements, recomputed from the particles' pressure and the temperature it belongs to; (m,)."""
     pressure = element_mean(fields.pressure, mesh.cells)
-    strain = element_mean(thermal_strain(material, fields.momentum_temperature), mesh.cells)
-    return volume_ratio_from_pressure(pressure / material.bulk_modulus, strain)
+    strain = element_mean(thermal_strains(problem, mesh, fields.momentum_temperature), mesh.cells)
+    return volume_ratio_from_pressure(pressure / moduli(problem, mesh)[:, 1], strain)
 
 
 def prescribed_increments(
@@ -154,30 +155,33 @@ def solve_motion(
     pfemcut.pfem.newton.StepFailed
         If the step is too long.
     """
-    material = problem.body.material
     cells, count = mesh.cells, len(mesh.points)
+    stiffness = moduli(problem, mesh)
+    shear_modulus = stiffness[:, 0]
     gradients = shape_gradients(mesh.points, cells)
     areas = signed_areas(mesh.points, cells)
     ratio = fields.volume_ratio
     temperature = element_mean(fields.temperature, cells)
     candidates = np.unique(mesh.boundary.particles)
-    shapes = tuple(tool.at(start_time + step) for tool in problem.tool)
+    shapes = tuple(tool.at(start_time + step) for tool in problem.rigid_tools)
     tools = tuple(
         (tool, shape, facing_lengths(shape, mesh.points, mesh.boundary.edges)[candidates])
-        for tool, shape in zip(problem.tool, shapes, strict=True)
+        for tool, shape in zip(problem.rigid_tools, shapes, strict=True)
     )
+    predicted = fields.last_displacement * (step / last_step)
+    interfaces = contact_search(problem, mesh, predicted)
     # Lumped mass of the backward-Euler inertia term m (u / dt - v) / dt; zero in a quasi-static run.
-    mass = lumped(areas * material.density / ratio, cells, count) * float(problem.time.inertia)
+    mass = lumped(areas * densities(problem, mesh) / ratio, cells, count) * float(problem.time.inertia)
     velocity = fields.last_displacement / last_step
 
     def kinematics(unknown: Array) -> tuple[Trial, Multiplier]:
         trial = elastic_trial(
             fields.b_elastic,
             deformation_gradient(gradients, cells, unknown[:, :2]),
-            material.shear_modulus,
+            shear_modulus,
         )
         if problem.time.integrator is Integrator.IMPLICIT:
-            multiplier = implicit_multiplier(trial, material.hardening, fields.eqps, temperature, step)
+            multiplier = implicit_multipliers(problem, mesh, trial, fields.eqps, temperature, step)
         else:
             multiplier = extrapolated_multiplier(trial, fields.multiplier_rate, step)
         return trial, multiplier
@@ -199,6 +203,11 @@ def solve_motion(
             for tool, shape, lengths in tools
         )
 
+    def body_contacts(unknown: Array) -> tuple[SurfaceContact, ...]:
+        displacement = unknown[:, :2]
+        positions = mesh.points + displacement
+        return tuple(interface_contact(problem, each, positions, displacement, step) for each in interfaces)
+
     def linearise(unknown: Array) -> Linearisation:
         trial, multiplier = kinematics(unknown)
         element = np.column_stack(
@@ -215,6 +224,7 @@ def solve_motion(
         nodal = NodalForces.sum(
             [
                 *_contact_forces(contacts(unknown)),
+                *map(nodal_forces, body_contacts(unknown)),
                 load_forces(problem, mesh, unknown[:, :2], start_time + step),
                 _inertia_forces(unknown, mass, velocity, step),
             ]
@@ -222,19 +232,24 @@ def solve_motion(
         return Linearisation(element, nodal, float(trial.jacobian.min()))
 
     fixed, value = prescribed_increments(problem, mesh, fields.displacement, start_time, step)
-    start = np.column_stack([fields.last_displacement * (step / last_step), fields.pressure])
+    start = np.column_stack([predicted, fields.pressure])
     start[fixed] = value[fixed]
-    yield_stress = float(
-        material.hardening.flow_stress(np.zeros(1), np.zeros(1), np.array([problem.body.temperature])).value[
-            0
-        ]
-    )
-    moduli = (material.shear_modulus, material.bulk_modulus, problem.stabilisation)
-    strain = thermal_strain(material, fields.temperature)
+    strain = thermal_strains(problem, mesh, fields.temperature)
     incremental = problem.particles.volumetric_history is VolumetricHistory.INCREMENT
     settled = fields.pressure if incremental else np.zeros(count)
     size = np.sqrt(lumped(areas, cells, count))
-    with MomentumSystem(kernels, distributed, fixed, moduli, strain, settled, watch) as system:
+    nodal_modulus = nodal_average(shear_modulus, areas, cells, count)
+    with MomentumSystem(
+        kernels,
+        distributed,
+        fixed,
+        stiffness,
+        problem.stabilisation,
+        strain,
+        settled,
+        watch,
+        [group for each in interfaces for group in each.couplings],
+    ) as system:
         solution = solve_momentum(
             system,
             linearise,
@@ -242,23 +257,45 @@ def solve_motion(
             fixed,
             # Not the bulk modulus: in a nearly incompressible body the volume change of second order would rule the
             # line search.
-            2.0 * material.shear_modulus / size,
-            _NEGLIGIBLE_STRESS
-            * min(yield_stress, _ELASTIC_STRAIN * material.shear_modulus)
-            * float(size.min()),
+            2.0 * nodal_modulus / size,
+            _NEGLIGIBLE_STRESS * min(map(_stress_scale, problem.bodies)) * float(size.min()),
             problem.newton,
         )
     trial, multiplier = kinematics(solution.unknown)
+    body_contact = body_contacts(solution.unknown)
+    for interface, found in zip(interfaces, body_contact, strict=True):
+        require_found(interface, found, mesh.points + solution.unknown[:, :2])
     return Motion(
         displacement=solution.unknown[:, :2].copy(),
         pressure=solution.unknown[:, 2].copy(),
         reactions=np.where(fixed[:, :2], solution.reactions, 0.0),
         contact=contacts(solution.unknown),
+        body_contact=body_contact,
         volume_ratio=trial.jacobian * ratio,
         trial=trial,
         multiplier=multiplier.value,
         iterations=solution.iterations,
     )
+
+
+def _stress_scale(body: Body) -> float:
+    """A stress (MPa) that counts in the body: at which it yields, or of a small elastic strain."""
+    material, zero = body.material, np.zeros(1)
+    yield_stress = material.hardening.flow_stress(zero, zero, np.array([body.temperature])).value[0]
+    return min(float(yield_stress), _ELASTIC_STRAIN * material.shear_modulus)
+
+
+def implicit_multipliers(
+    problem: Problem, mesh: Mesh, trial: Trial, eqps: Array, temperature: Array, step: float
+) -> Multiplier:
+    """Backward-Euler multipliers of all bodies, each with its hardening law; ``temperature`` of the elements (m,)."""
+    parts = [
+        implicit_multiplier(
+            trial.of(cells), body.material.hardening, eqps[cells], temperature[cells], step
+        )
+        for body, cells in zip(problem.bodies, mesh.cell_ranges, strict=True)
+    ]
+    return parts[0] if len(parts) == 1 else Multiplier.joined(parts)
 
 
 def _contact_forces(contact: tuple[ContactResult, ...]) -> list[NodalForces]:
@@ -286,16 +323,21 @@ def update_plasticity(
     problem: Problem, mesh: Mesh, fields: Fields, motion: Motion, step: float
 ) -> PlasticUpdate:
     """Backward-Euler return mapping at the solved displacement and the temperature of the start of the step."""
-    material = problem.body.material
     temperature = element_mean(fields.temperature, mesh.cells)
-    multiplier = implicit_multiplier(motion.trial, material.hardening, fields.eqps, temperature, step).value
+    multiplier = implicit_multipliers(problem, mesh, motion.trial, fields.eqps, temperature, step).value
     increment = _ROOT_2_3 * multiplier
     eqps = fields.eqps + increment
     deviator = returned_deviator(motion.trial, multiplier)
     return PlasticUpdate(
-        b_elastic=elastic_strain(deviator, material.shear_modulus),
+        b_elastic=elastic_strain(deviator, moduli(problem, mesh)[:, :1]),
         eqps=eqps,
         multiplier_rate=multiplier / step,
         eqps_increment=increment,
-        flow_stress=material.hardening.flow_stress(eqps, increment / step, temperature).value,
+        flow_stress=over_cells(
+            problem,
+            mesh,
+            lambda body, c: body.material.hardening.flow_stress(
+                eqps[c], increment[c] / step, temperature[c]
+            ).value,
+        ),
     )

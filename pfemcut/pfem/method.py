@@ -9,16 +9,18 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from meshing.initial import outline_mesh
+from meshing.bodies import joined, renumbered, separated
 from meshing.mesh import Mesh
+from meshing.sizes import SizeField
 from pfemcut.contact.penalty import ContactForces, contact_forces, facing_lengths
 from pfemcut.materials.return_mapping import tensor_norm
 from pfemcut.method import ContactView, Frame, Measures
 from pfemcut.pfem import energies
+from pfemcut.pfem.bodies import moduli
 from pfemcut.pfem.kinematics import element_mean
-from pfemcut.pfem.mechanics import thermal_strain
-from pfemcut.pfem.state import Clock, Ledger, State, from_arrays, initial_fields, to_arrays
+from pfemcut.pfem.state import Clock, Fields, Ledger, State, from_arrays, initial_fields, joined_fields, to_arrays
 from pfemcut.pfem.step import PHASES, Kernels, StepRecord, advance
-from pfemcut.problem import Problem
+from pfemcut.problem import Body, Problem
 from pfemcut.ranks import Ranks
 from pfemcut.timing import Stopwatch
 
@@ -42,14 +44,13 @@ class PfemMethod:
     @classmethod
     def start(cls, problem: Problem) -> PfemMethod:
         """A run at time zero, with a new mesh."""
-        body = problem.body
         # Every rank must hold the same bits, so one meshes for all.
         mesh = Ranks().on_first(lambda: _initial_mesh(problem))
         first = problem.time.first_step_fraction * problem.time.step
         clock = Clock(step=0, time=0.0, last_dt=first, next_dt=first)
-        vx, vy = body.velocity
-        expansion = float(thermal_strain(body.material, np.asarray(body.temperature)))
-        fields = initial_fields(mesh, body.temperature, expansion, (vx * first, vy * first))
+        fields = joined_fields(
+            [_initial_fields(body, part, first) for body, part in zip(problem.bodies, separated(mesh), strict=True)]
+        )
         return cls(
             problem,
             State(
@@ -158,11 +159,10 @@ class PfemMethod:
         """Fields after the last step."""
         problem, state = self._problem, self._state
         mesh, fields = state.mesh, state.fields
-        material = problem.body.material
         ratio = fields.volume_ratio
         deviator = fields.b_elastic.copy()
         deviator[:, :3] -= deviator[:, :3].mean(axis=1, keepdims=True)
-        deviator *= (material.shear_modulus / ratio)[:, None]
+        deviator *= (moduli(problem, mesh)[:, 0] / ratio)[:, None]
         stress = deviator.copy()
         stress[:, :3] += element_mean(fields.pressure, mesh.cells)[:, None]
         return Frame(
@@ -255,15 +255,31 @@ class PfemMethod:
 
 
 def _initial_mesh(problem: Problem) -> Mesh:
-    body = problem.body
+    """All bodies' meshes, with the part numbers of the problem."""
+    meshes: list[Mesh] = []
+    first_part = first_id = 0
+    for body in problem.bodies:
+        mesh = renumbered(_body_mesh(body, problem.particles.sizes), first_part, first_id)
+        first_part, first_id = first_part + len(body.parts), mesh.next_id
+        meshes.append(mesh)
+    return joined(meshes)
+
+
+def _body_mesh(body: Body, sizes: SizeField) -> Mesh:
     for mesh in body.given:
         return mesh
     return outline_mesh(
         np.asarray(body.outline, dtype=np.float64),
-        problem.particles.sizes,
+        (*body.sizes, sizes)[0],
         np.arange(len(body.parts)),
         body.arcs,
     )
+
+
+def _initial_fields(body: Body, mesh: Mesh, first_step: float) -> Fields:
+    strain = float(body.material.thermal_strain(np.asarray(body.temperature)))
+    vx, vy = body.velocity
+    return initial_fields(mesh, body.temperature, strain, (vx * first_step, vy * first_step))
 
 
 def _nearest_particles(mesh: Mesh, points: list[tuple[float, float]]) -> NDArray[np.int64]:

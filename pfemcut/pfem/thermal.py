@@ -8,8 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshing.mesh import Mesh, signed_areas
+from pfemcut.contact.node_to_segment import SurfaceContact
 from pfemcut.fem.distribution import DistributedMesh
 from pfemcut.fem.heat_system import HeatKernels, solve_temperature_increment
+from pfemcut.pfem.bodies import over_cells
 from pfemcut.pfem.kinematics import element_mean, lumped, tributary_lengths
 from pfemcut.pfem.loads import part_edges, part_particles
 from pfemcut.pfem.mechanics import ContactResult
@@ -40,8 +42,11 @@ class Heating:
 
 def heat_capacity(problem: Problem, mesh: Mesh, temperature: Array, volume_ratio: Array) -> Array:
     """Heat capacity per current volume rho_0 c / J of the elements (mJ/(mm³ K)); (m,)."""
-    material = problem.body.material
-    return material.density * material.capacity(element_mean(temperature, mesh.cells)) / volume_ratio
+    at = element_mean(temperature, mesh.cells)
+    return (
+        over_cells(problem, mesh, lambda body, c: body.material.density * body.material.capacity(at[c]))
+        / volume_ratio
+    )
 
 
 def solve_heat(
@@ -53,6 +58,7 @@ def solve_heat(
     volume_ratio: Array,
     plastic_power: Array,
     contact: tuple[ContactResult, ...],
+    body_contact: tuple[SurfaceContact, ...],
     time: float,
     step: float,
 ) -> Heating:
@@ -66,19 +72,27 @@ def solve_heat(
         J at the end of the step; (m,).
     plastic_power
         Plastic power per current volume (mW/mm³); (m,).
-    contact
+    contact, body_contact
         Contact results, whose friction heats.
     time, step
         Time at the end of the step, and its length (s).
     """
-    material = problem.body.material
     count = len(mesh.points)
+    at = element_mean(temperature, mesh.cells)
     areas = signed_areas(mesh.points, mesh.cells)
     capacity = heat_capacity(problem, mesh, temperature, volume_ratio) / step
     lumped_capacity = lumped(areas * capacity, mesh.cells, count)
-    sources = lumped(material.taylor_quinney * plastic_power * areas, mesh.cells, count)
+    sources = lumped(
+        over_cells(problem, mesh, lambda body, c: body.material.taylor_quinney * plastic_power[c]) * areas,
+        mesh.cells,
+        count,
+    )
     for each in contact:
         sources[each.particles] += problem.contact.heat_partition * each.forces.friction_power
+    for found in body_contact:
+        # To the slave its share, to the master the rest (eqs. 34, 35 with halves).
+        share = np.where(found.shape > 0.0, problem.contact.heat_partition, problem.contact.heat_partition - 1.0)
+        np.add.at(sources, found.particles, share * found.shape * found.friction_power[:, None])
     flux, exchange = _boundary_flux(problem, mesh, temperature, time)
 
     fixed = np.zeros(count, dtype=bool)
@@ -93,7 +107,7 @@ def solve_heat(
         temperature,
         capacity,
         lumped_capacity,
-        material.conductivity(element_mean(temperature, mesh.cells)),
+        over_cells(problem, mesh, lambda body, c: body.material.conductivity(at[c])),
         sources + flux,
         exchange,
         fixed,

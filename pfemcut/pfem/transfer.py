@@ -168,7 +168,7 @@ def carry_volume(problem: Problem, mesh: Mesh, fields: Fields, unchanged: BoolAr
     rule = problem.particles.volumetric_history
     if rule is VolumetricHistory.ELEMENT:
         return fields
-    ratio = pressure_volume_ratios(problem.body.material, mesh, fields)
+    ratio = pressure_volume_ratios(problem, mesh, fields)
     if rule is VolumetricHistory.MIXED:
         ratio = np.where(unchanged, fields.volume_ratio, ratio)
     return replace(fields, volume_ratio=ratio)

@@ -29,13 +29,24 @@ from pfemcut.problem.controls import (
     TimeControls,
     VolumetricHistory,
 )
-from pfemcut.problem.problem import Body, ContactLaw, Cut, MovingTool, Probe, Problem
+from pfemcut.problem.problem import (
+    Body,
+    ContactIntegration,
+    ContactLaw,
+    ContactPair,
+    Cut,
+    MovingTool,
+    Probe,
+    Problem,
+)
 
 __all__ = [
     "Axis",
     "Body",
     "Coarsening",
+    "ContactIntegration",
     "ContactLaw",
+    "ContactPair",
     "Convection",
     "Cut",
     "DistributedForce",

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import Enum
 
 from meshing.initial import Arc
 from meshing.mesh import Mesh
+from meshing.sizes import SizeField
 from pfemcut.materials.material import Material
 from pfemcut.problem.conditions import (
     Convection,
@@ -44,6 +46,10 @@ class Body:
         Sides that are circular arcs.
     given
         A mesh to start from instead of meshing the outline, none or one.
+    remesh
+        Whether its particles are triangulated anew, inserted and removed, if the problem's are.
+    sizes
+        Spacing of the initial mesh, if not that of the problem.
     """
 
     name: str
@@ -54,6 +60,8 @@ class Body:
     velocity: tuple[float, float] = (0.0, 0.0)
     arcs: tuple[Arc, ...] = ()
     given: tuple[Mesh, ...] = ()
+    remesh: bool = True
+    sizes: tuple[SizeField, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -66,10 +74,14 @@ class Probe:
 
 @dataclass(frozen=True)
 class MovingTool:
-    """A rigid tool at time zero and its constant velocity (mm/s)."""
+    """A tool at time zero and its constant velocity (mm/s).
+
+    ``body`` names the body that it is, if it is deformable: then the shape is that of the tool without load.
+    """
 
     shape: RigidWedge
     velocity: tuple[float, float]
+    body: str = ""
 
     def at(self, time: float) -> RigidWedge:
         """The tool at ``time`` (s)."""
@@ -101,6 +113,33 @@ class ContactLaw:
     heat_partition: float
 
 
+class ContactIntegration(Enum):
+    """Where contact between bodies acts: at the particles of the slave surface, or at Gauss points of its edges."""
+
+    NODES = "nodes"
+    EDGES = "edges"
+
+
+@dataclass(frozen=True)
+class ContactPair:
+    """Two surfaces that may touch.
+
+    Attributes
+    ----------
+    slave, master
+        Boundary parts of the one and of the other; the slave's points are held off the master's surface.
+    integration
+        See the enumeration.
+    smooth
+        Whether the master's surface is a smooth curve instead of the polygon of its edges.
+    """
+
+    slave: tuple[str, ...]
+    master: tuple[str, ...]
+    integration: ContactIntegration = ContactIntegration.NODES
+    smooth: bool = True
+
+
 @dataclass(frozen=True)
 class Cut:
     """What derived figures of an orthogonal cut refer to.
@@ -129,11 +168,11 @@ class Problem:
     title
         One line for reports.
     body
-        The deforming body.
+        The deforming body; in a cut the workpiece.
     motions, forces, tractions, pressures, temperatures, fluxes, heat_bands, convections
         Boundary conditions by part name; a boundary without any is free and adiabatic.
     tool
-        Rigid tools, none or one.
+        Tools, none or one.
     contact
         Law of contact between body and tool.
     particles, time, newton
@@ -144,6 +183,10 @@ class Problem:
         Reference figures if the problem is a cut, else empty.
     probes
         Points to follow.
+    others
+        Other deforming bodies.
+    pairs
+        Contacts between bodies.
     """
 
     title: str
@@ -164,3 +207,20 @@ class Problem:
     heat_bands: tuple[MovingHeatBand, ...] = ()
     convections: tuple[Convection, ...] = ()
     probes: tuple[Probe, ...] = ()
+    others: tuple[Body, ...] = ()
+    pairs: tuple[ContactPair, ...] = ()
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """All deforming bodies."""
+        return (self.body, *self.others)
+
+    @property
+    def rigid_tools(self) -> tuple[MovingTool, ...]:
+        """Tools that do not deform."""
+        return tuple(tool for tool in self.tool if not tool.body)
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """Names of the boundary parts of all bodies, by part number."""
+        return tuple(name for body in self.bodies for name in body.parts)

@@ -1,0 +1,165 @@
+"""Contact between bodies in a time step: the search before the momentum solve, and what it gives the solve."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshing.mesh import Mesh
+from pfemcut.contact.friction import regularised_coulomb
+from pfemcut.contact.node_to_segment import ContactPoints, SurfaceContact, surface_contact
+from pfemcut.contact.penalty import facing_lengths
+from pfemcut.contact.surface import Arcs, BodySurface, Surface, feet, surface_arcs
+from pfemcut.fem.momentum_system import NodalForces
+from pfemcut.pfem.newton import StepFailed
+from pfemcut.problem import ContactIntegration, ContactPair, MovingTool, Problem
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+_REACH = 2.0  # arc lengths, and predicted motions in a step, within which a point of the slave surface is watched
+_GAUSS = 0.5 - 0.5 / np.sqrt(3.0)  # first of the two Gauss points of an edge
+
+
+@dataclass(frozen=True)
+class Interface:
+    """One contact pair in one step: the master's arcs, and the points of the slave that may touch them."""
+
+    pair: ContactPair
+    arcs: Arcs
+    points: ContactPoints
+
+    @property
+    def couplings(self) -> tuple[IntArray, ...]:
+        """Particles that each contact point may couple."""
+        arcs = self.arcs.nodes[self.points.candidates].reshape(len(self.points.particles), -1)
+        return tuple(np.unique(each) for each in np.column_stack([self.points.particles, arcs]))
+
+
+def body_surface(problem: Problem, mesh: Mesh, pair: ContactPair) -> BodySurface:
+    """The master surface of ``pair`` where its particles are now."""
+    return BodySurface(
+        surface_arcs(mesh.points, mesh.boundary, _numbers(problem, pair.master), pair.smooth), mesh.points
+    )
+
+
+def surfaces_around(problem: Problem, mesh: Mesh, time: float, body: int) -> tuple[Surface, ...]:
+    """What the surface of the ``body`` of that number may touch: rigid tools, and master surfaces of other bodies."""
+    own = set(problem.bodies[body].parts)
+    masters = [pair for pair in problem.pairs if own & set(pair.slave)]
+    return (
+        *(tool.at(time) for tool in problem.rigid_tools),
+        *(body_surface(problem, mesh, pair) for pair in masters),
+    )
+
+
+def contact_search(problem: Problem, mesh: Mesh, motion: Array) -> tuple[Interface, ...]:
+    """The contact pairs at the start of a step that is predicted to move the particles by ``motion`` (n, 2)."""
+    return tuple(_search(problem, mesh, motion, pair) for pair in problem.pairs)
+
+
+def _search(problem: Problem, mesh: Mesh, motion: Array, pair: ContactPair) -> Interface:
+    surface = body_surface(problem, mesh, pair)
+    arcs = surface.arcs
+    after = BodySurface(arcs, mesh.points + motion)
+    chosen = np.isin(mesh.boundary.parts, _numbers(problem, pair.slave))
+    edges = mesh.boundary.edges[chosen]
+    near = np.zeros(len(mesh.points), dtype=bool)
+    particles = np.unique(edges)
+    foot = after.foot(after.points[particles])
+    master = arcs.nodes[foot.arc]
+    ends = mesh.points[master]
+    size = np.maximum(np.hypot(*(ends[:, 2] - ends[:, 0]).T), np.hypot(*(ends[:, 1] - ends[:, 0]).T))
+    reach = _REACH * (size + np.hypot(*(motion[particles] - motion[master[:, 1]]).T))
+    near[particles[np.abs(foot.gap) < reach]] = True
+    edges = edges[near[edges].any(axis=1)]
+    if pair.integration is ContactIntegration.NODES:
+        lengths = facing_lengths(surface, mesh.points, edges)
+        facing = np.flatnonzero(lengths)
+        ends, shares = np.column_stack([facing, facing]), np.tile([1.0, 0.0], (len(facing), 1))
+        lengths = lengths[facing]
+    else:
+        ends = np.repeat(edges, 2, axis=0)
+        shares = np.tile([[1.0 - _GAUSS, _GAUSS], [_GAUSS, 1.0 - _GAUSS]], (len(edges), 1))
+        along = mesh.points[ends[:, 1]] - mesh.points[ends[:, 0]]
+        outward = np.column_stack([along[:, 1], -along[:, 0]])
+        at = np.einsum("kb,kbi->ki", shares, mesh.points[ends])
+        lengths = 0.5 * np.maximum(-np.sum(outward * surface.closest(at).normal, axis=1), 0.0)
+        facing = np.flatnonzero(lengths)
+        ends, shares, lengths = ends[facing], shares[facing], lengths[facing]
+    at = np.einsum("kb,kbi->ki", shares, after.points[ends])
+    return Interface(pair, arcs, ContactPoints(ends, shares, lengths, after.nearest_arcs(at)))
+
+
+def interface_contact(
+    problem: Problem, interface: Interface, positions: Array, displacement: Array, step: float
+) -> SurfaceContact:
+    """Contact of a pair with the particles at ``positions`` (n, 2), reached by ``displacement`` in ``step`` (s)."""
+    law = problem.contact
+
+    def friction(pressure: Array, slip_speed: Array, _: IntArray) -> tuple[Array, Array, Array]:
+        ratio = regularised_coulomb(slip_speed, law.friction, law.reference_speed)
+        return ratio.value * pressure, ratio.value, ratio.by_speed * pressure
+
+    return surface_contact(
+        interface.arcs, interface.points, positions, displacement, step, law.penalty, friction
+    )
+
+
+def require_found(interface: Interface, found: SurfaceContact, positions: Array) -> None:
+    """Fail if at the end of a step a point has left the arcs among which its foot was looked for.
+
+    Raises
+    ------
+    StepFailed
+        The step is too long for the search.
+    """
+    points = interface.points
+    at = np.einsum("kb,kbi->ki", points.shares, positions[points.particles])
+    if not len(at):
+        return
+    surface = BodySurface(interface.arcs, positions)
+    inside = feet(interface.arcs, positions, at, surface.nearest_arcs(at)).gap < 0.0
+    touching = np.zeros(len(at), dtype=bool)
+    touching[found.points] = True
+    if (inside != touching).any():
+        raise StepFailed("a particle slides out of the reach of the contact search")
+
+
+def nodal_forces(found: SurfaceContact) -> NodalForces:
+    """The forces of a contact on its particles."""
+    k = len(found.particles)
+    rows = np.broadcast_to(found.particles[:, :, None], (k, 5, 5))
+    columns = np.broadcast_to(found.particles[:, None, :], (k, 5, 5))
+    return NodalForces(
+        found.particles.ravel(),
+        found.forces.reshape(-1, 2),
+        rows.ravel(),
+        columns.ravel(),
+        found.stiffness.transpose(0, 1, 3, 2, 4).reshape(-1, 2, 2),
+    )
+
+
+def deformable_tools(problem: Problem, mesh: Mesh) -> Iterator[tuple[MovingTool, slice]]:
+    """The tools that are bodies, and their particles."""
+    for tool in problem.tool:
+        for body, particles in zip(problem.bodies, mesh.particle_ranges, strict=True):
+            if tool.body == body.name:
+                yield tool, particles
+
+
+def force_within(contacts: Sequence[SurfaceContact], particles: slice) -> Array:
+    """Sum of the forces of the contacts on the ``particles`` (N/mm); shape (2,)."""
+    total = np.zeros(2)
+    for each in contacts:
+        inside = (each.particles >= particles.start) & (each.particles < particles.stop)
+        total += each.forces[inside].sum(axis=0)
+    return total
+
+
+def _numbers(problem: Problem, names: tuple[str, ...]) -> IntArray:
+    return np.array([i for i, name in enumerate(problem.parts) if name in names], dtype=np.int64)
