@@ -6,7 +6,7 @@ The driver writes history, fields, checkpoints and reports from these alone, so 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
@@ -69,6 +69,27 @@ class ContactView:
 
 
 @dataclass(frozen=True)
+class Block:
+    """A meshed tool or another body.
+
+    Attributes
+    ----------
+    points, cells
+        Particle positions (mm; (n, 2)) and triangles (m, 3).
+    point_fields, cell_fields
+        Fields by standard name. ``displacement`` of a deformable tool is that from where it would be without load.
+    name
+        Of the body.
+    """
+
+    points: Array
+    cells: IntArray
+    point_fields: Mapping[str, NDArray[np.generic]]
+    cell_fields: Mapping[str, Array] = field(default_factory=dict)
+    name: str = "tool"
+
+
+@dataclass(frozen=True)
 class Frame:
     """Everything that outputs show of one instant.
 
@@ -92,6 +113,10 @@ class Frame:
         Tools at this instant, none or one.
     contact
         Particles in contact with the tool.
+    tool_blocks
+        Meshes of the tools that have one.
+    others
+        Bodies besides the first that are no tools.
     """
 
     step: int
@@ -104,6 +129,8 @@ class Frame:
     cell_fields: Mapping[str, Array]
     tool: tuple[RigidWedge, ...]
     contact: ContactView
+    tool_blocks: tuple[Block, ...] = ()
+    others: tuple[Block, ...] = ()
 
 
 class Method(Protocol):

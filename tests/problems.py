@@ -21,6 +21,7 @@ from meshing.sizes import SizeField
 from meshing.triangulation import constrained_delaunay
 from pfemcut.case.cutting import cutting_problem
 from pfemcut.case.load import validated
+from pfemcut.contact.friction_laws.coulomb import Coulomb
 from pfemcut.fem.momentum_system import MomentumSystem, NodalForces
 from pfemcut.materials.hardening.voce import Voce
 from pfemcut.materials.material import HardeningLaw, Material, Property
@@ -163,7 +164,10 @@ def block_problem(
         fluxes=fluxes,
         tool=tool,
         contact=ContactLaw(
-            penalty=4e7, friction=friction, reference_speed=reference_speed, heat_partition=0.5
+            penalty=4e7,
+            friction=Coulomb(coefficient=friction),
+            reference_speed=reference_speed,
+            heat_partition=0.5,
         ),
         particles=ParticleControls(
             sizes=size if isinstance(size, SizeField) else SizeField((), size),

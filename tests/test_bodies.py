@@ -6,7 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from problems import REFERENCE_TEMPERATURE, advanced, block_problem, fixed_x, fixed_y, heated, moving, steel, voce
+from problems import (
+    REFERENCE_TEMPERATURE,
+    advanced,
+    block_problem,
+    fixed_x,
+    fixed_y,
+    heated,
+    moving,
+    steel,
+    voce,
+)
 
 from meshing.bodies import joined, renumbered, separated
 from pfemcut.materials.material import Property

@@ -65,7 +65,10 @@ def test_tangent_is_the_derivative_of_the_forces(smooth: bool) -> None:
     inside = (found.foot.t > 1e-3) & (found.foot.t < 1 - 1e-3)
     assert inside.sum() >= 10
     points = ContactPoints(
-        *(each[found.points[inside]] for each in (points.particles, points.shares, points.lengths, points.candidates))
+        *(
+            each[found.points[inside]]
+            for each in (points.particles, points.shares, points.lengths, points.candidates)
+        )
     )
     found = contact(arcs, points, positions, displacement)
     count = len(positions)
@@ -118,7 +121,7 @@ def test_force_is_continuous_where_a_point_passes_from_arc_to_arc() -> None:
     # One step of the angle is 5e-4; at a corner of the polygon the normal would turn by 0.26.
     assert turn.max() < 1.5e-3
     # The curve lies a sagitta inside the polygon's corners, all along.
-    np.testing.assert_allclose(closest.gap, -0.05 + (1 - np.cos(np.pi / 24)) , atol=1.5e-3)
+    np.testing.assert_allclose(closest.gap, -0.05 + (1 - np.cos(np.pi / 24)), atol=1.5e-3)
     np.testing.assert_allclose(closest.curvature, 1 / 0.95, rtol=0.08)
 
 

@@ -12,6 +12,7 @@ from pfemcut.case.cutting import cutting_problem
 from pfemcut.case.general import general_problem
 from pfemcut.case.general_schema import GeneralCase
 from pfemcut.case.load import AnyCase, initial_temperature
+from pfemcut.case.sections import Contact
 from pfemcut.materials.material import Material
 
 
@@ -32,7 +33,7 @@ def figures(case: AnyCase, material: Material, base_directory: Path) -> list[tup
             f"{tool.model}, rake {tool.rake:g}, clearance {tool.clearance:g} degrees, tip {tool.tip_radius:g} mm",
         ),
         ("cut", f"{cutting.depth:g} mm deep, {cutting.travel:g} mm at {cutting.speed:g} mm/s"),
-        ("friction", f"{case.contact.friction:g}"),
+        ("friction", _friction(case.contact)),
         ("integrator", case.time.integrator),
         (
             "steps",
@@ -49,6 +50,15 @@ def figures(case: AnyCase, material: Material, base_directory: Path) -> list[tup
         ),
         ("output", case.output.directory),
     ]
+
+
+def _friction(contact: Contact) -> str:
+    given = contact.friction
+    return (
+        f"{given:g}"
+        if isinstance(given, float)
+        else ", ".join(f"{key} {value}" for key, value in given.model_dump(exclude_unset=True).items())
+    )
 
 
 def _general_figures(case: GeneralCase, material: Material, base_directory: Path) -> list[tuple[str, str]]:

@@ -3,29 +3,49 @@
 from __future__ import annotations
 
 from meshing.sizes import SizeField
-from pfemcut.case.sections import Contact, Solver, Spacing, Time
+from pfemcut.case.sections import ConductanceTable, Contact, Solver, Spacing, Time, ToolHeat
+from pfemcut.contact.conductance import Conductance
+from pfemcut.contact.friction_laws.coulomb import Coulomb
 from pfemcut.problem import (
     Coarsening,
+    Conductor,
     ContactLaw,
     ElementTransfer,
     ErrorEstimator,
     HeatSource,
     Integrator,
+    MovingTool,
     NewtonControls,
     ParticleControls,
     TimeControls,
     VolumetricHistory,
 )
+from pfemcut.tools.rigid_wedge import RigidWedge
 
 
 def contact_law(contact: Contact) -> ContactLaw:
     """The law of contact."""
+    friction = contact.friction
     return ContactLaw(
         penalty=contact.penalty,
-        friction=contact.friction,
+        friction=Coulomb(coefficient=friction) if isinstance(friction, float) else friction,
         reference_speed=contact.reference_speed,
         heat_partition=contact.heat_partition,
+        conductance=_conductance(contact.conductance),
     )
+
+
+def _conductance(given: float | ConductanceTable) -> Conductance:
+    if isinstance(given, ConductanceTable):
+        return Conductance(given.value, given.reference_pressure, given.exponent)
+    return Conductance(given)
+
+
+def moving_tool(shape: RigidWedge, velocity: tuple[float, float], heat: ToolHeat) -> MovingTool:
+    """The tool with what it has to do with heat."""
+    given = heat.conduction
+    conductor = () if given is None else (Conductor(**given.model_dump()),)
+    return MovingTool(shape, velocity, heat.temperature, conductor)
 
 
 def particle_controls(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from meshing.sizes import Box, Capsule, SizeField, SizeZone
-from pfemcut.case.controls import contact_law, newton_controls, particle_controls, time_controls
+from pfemcut.case.controls import contact_law, moving_tool, newton_controls, particle_controls, time_controls
 from pfemcut.case.load import initial_temperature
 from pfemcut.case.schema import Case, Cutting, Mesh, Tool
 from pfemcut.materials.material import Material
@@ -13,7 +13,6 @@ from pfemcut.problem import (
     Axis,
     Body,
     Cut,
-    MovingTool,
     Problem,
     fixed,
 )
@@ -44,7 +43,7 @@ def cutting_problem(case: Case, material: Material) -> Problem:
             fixed("bottom", Axis.Y),
             fixed("fixed", Axis.X),
         ),
-        tool=(MovingTool(tool, (-case.cutting.speed, 0.0)),),
+        tool=(moving_tool(tool, (-case.cutting.speed, 0.0), case.tool),),
         contact=contact_law(case.contact),
         particles=particle_controls(
             mesh, size_field(mesh, tool, case.cutting.depth, height), (-case.cutting.speed, 0.0)

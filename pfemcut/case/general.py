@@ -7,7 +7,7 @@ from pathlib import Path
 
 from meshing.initial import Arc, MeshFileError, read_mesh
 from meshing.sizes import Capsule, SizeField, SizeZone
-from pfemcut.case.controls import contact_law, newton_controls, particle_controls, time_controls
+from pfemcut.case.controls import contact_law, moving_tool, newton_controls, particle_controls, time_controls
 from pfemcut.case.general_schema import (
     Amount,
     BodyTable,
@@ -122,7 +122,8 @@ def _body(table: BodyTable, material: Material, base_directory: Path) -> Body:
 def _moving_tool(case: GeneralCase) -> MovingTool:
     tool = case.tool
     assert tool is not None
-    return MovingTool(RigidWedge(tool.centre, tool.rake, tool.clearance, tool.tip_radius), tool.velocity)
+    shape = RigidWedge(tool.centre, tool.rake, tool.clearance, tool.tip_radius)
+    return moving_tool(shape, tool.velocity, tool)
 
 
 def _motions(side: BoundaryTable, end: float) -> Iterator[PrescribedMotion]:

@@ -17,6 +17,7 @@ from pfemcut.case.sections import (
     Solver,
     Spacing,
     Time,
+    ToolHeat,
     name_or_table,
 )
 
@@ -161,7 +162,7 @@ class BoundaryTable(Section):
         return self
 
 
-class RigidTool(Section):
+class RigidTool(ToolHeat):
     """A rigid wedge rounded by a tip circle, anywhere and moving anywhere."""
 
     rake: float = Field(default=0.0, gt=-90, lt=90, description="Rake angle (degrees)")

@@ -17,6 +17,7 @@ from pfemcut.case.sections import (
     Solver,
     Spacing,
     Time,
+    ToolHeat,
     name_or_table,
     planned,
 )
@@ -37,7 +38,7 @@ class Workpiece(Section):
     )
 
 
-class Tool(Section):
+class Tool(ToolHeat):
     """The tool: a wedge rounded by a tip circle, advancing towards -x."""
 
     model: Annotated[Literal["rigid"], planned("deformable")] = Field(

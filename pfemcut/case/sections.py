@@ -7,7 +7,17 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    Field,
+    Tag,
+    model_validator,
+)
+
+from pfemcut.contact.friction_laws import FrictionTable
 
 
 def planned(*names: str) -> BeforeValidator:
@@ -34,16 +44,84 @@ class Section(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
 
+class Conduction(Section):
+    """Heat conduction in a rigid tool: a block of its own, held at the tool's temperature on the holder's side."""
+
+    conductivity: float = Field(gt=0, description="Thermal conductivity (N/(s K))")
+    capacity: float = Field(gt=0, description="Specific heat (mm²/(s² K))")
+    density: float = Field(gt=0, lt=1e-6, description="Density (tonne/mm³)")
+    length: float = Field(
+        default=2.0, gt=0, description="Length of rake and flank faces, from the tip to the holder (mm)"
+    )
+    fine_length: float = Field(
+        default=0.3, gt=0, description="Length of the rake face along which the mesh is finest (mm)"
+    )
+    tip_size: float = Field(default=0.01, gt=0, description="Finest spacing (mm)")
+    growth: float = Field(default=0.15, gt=0, le=1, description="Increase of the spacing per distance")
+
+    @model_validator(mode="after")
+    def _is_longer_than_fine(self) -> Self:
+        if self.fine_length >= self.length:
+            raise ValueError(
+                f"fine_length: given {self.fine_length}, must be less than length = {self.length:g}"
+            )
+        return self
+
+
+class ToolHeat(Section):
+    """What all rigid tools have to do with heat."""
+
+    temperature: float = Field(
+        default=293.15,
+        gt=0,
+        description="Temperature of the tool (K), which takes heat through [contact] conductance; "
+        "with [tool.conduction] that of its start and of its holder",
+    )
+    conduction: Conduction | None = Field(
+        default=None, description="Table [tool.conduction]: heat conduction in the tool"
+    )
+
+
+class ConductanceTable(Section):
+    """Conductance of the interface that depends on the contact pressure, value (p / reference_pressure)^exponent."""
+
+    value: float = Field(ge=0, description="Conductance at the reference pressure (N/(mm s K))")
+    reference_pressure: float = Field(gt=0, description="Reference pressure (MPa)")
+    exponent: float = Field(default=0.95, ge=0, le=2, description="Exponent of the pressure (dimensionless)")
+
+
+def _form(value: Any) -> str:
+    # Not "table", which is the name of a friction law.
+    return "by law" if isinstance(value, dict | BaseModel) else "number"
+
+
+Friction = Annotated[
+    Annotated[float, Field(ge=0, le=2), Tag("number")] | Annotated[FrictionTable, Tag("by law")],
+    Discriminator(_form),
+]
+ConductanceOrTable = Annotated[
+    Annotated[float, Field(ge=0), Tag("number")] | Annotated[ConductanceTable, Tag("by law")],
+    Discriminator(_form),
+]
+
+
 class Contact(Section):
     """Contact between tool and workpiece."""
 
-    friction: float = Field(default=0.0, ge=0, le=2, description="Coulomb coefficient (dimensionless)")
+    friction: Friction = Field(
+        default=0.0, description="Coulomb coefficient (dimensionless), or a table of a friction law"
+    )
     reference_speed: float = Field(
         default=1.0, gt=0, description="Sliding speed that regularises friction (mm/s)"
     )
     penalty: float = Field(default=4e7, gt=0, description="Contact pressure per penetration (MPa/mm)")
     heat_partition: float = Field(
         default=0.5, ge=0, le=1, description="Fraction of the friction heat that enters the workpiece"
+    )
+    conductance: ConductanceOrTable = Field(
+        default=0.0,
+        description="Heat conductance of the interface (N/(mm s K); 1e-3 of the number in W/(m² K)), or a table; "
+        "zero insulates",
     )
 
 

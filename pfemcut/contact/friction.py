@@ -1,8 +1,9 @@
-"""Friction laws: shear traction over normal traction as a function of slip speed."""
+"""What friction laws take and give: the state of the interface, and the shear traction with its derivatives."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,14 +12,45 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class FrictionRatio:
-    """Shear over normal traction and its derivative by the slip speed (s/mm); shape (k,) each."""
+class Interface:
+    """State of the interface at a set of contact points; each of shape (k,).
+
+    Attributes
+    ----------
+    pressure
+        Normal traction, positive in compression (MPa).
+    slip_speed
+        Signed tangential speed relative to the other body (mm/s).
+    temperature
+        Of the workpiece's surface (K), last known.
+    flow_stress
+        Of the workpiece's surface (MPa), last known.
+    """
+
+    pressure: Array
+    slip_speed: Array
+    temperature: Array
+    flow_stress: Array
+
+
+@dataclass(frozen=True)
+class Shear:
+    """Shear traction (MPa, of the sign of the slip speed, which it opposes) and its derivatives; shape (k,).
+
+    ``by_pressure`` is dimensionless, ``by_speed`` in MPa s/mm. Temperature and flow stress are those of the start of
+    the step, so that Newton's method needs no derivatives by them.
+    """
 
     value: Array
+    by_pressure: Array
     by_speed: Array
 
 
-def regularised_coulomb(slip_speed: Array, coefficient: float, reference_speed: float) -> FrictionRatio:
-    """mu tanh(v / V_ref) (paper, eq. 26) for the slip speed v (mm/s); shape (k,)."""
-    ratio = np.tanh(slip_speed / reference_speed)
-    return FrictionRatio(coefficient * ratio, coefficient * (1.0 - ratio**2) / reference_speed)
+class FrictionLaw(Protocol):
+    """Shear traction as a function of the interface's state."""
+
+    def shear(self, interface: Interface, reference_speed: float) -> Shear:
+        """Shear traction, regularised over the ``reference_speed`` V_ref (mm/s).
+
+        It is odd in the slip speed and of its sign, so that friction never gives power.
+        """

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pfemcut.contact.friction import regularised_coulomb
-from pfemcut.problem import ContactLaw
+from pfemcut.contact.friction import Interface
 from pfemcut.contact.surface import Surface
+from pfemcut.problem import ContactLaw
 from pfemcut.tools.rigid_wedge import RigidWedge
 
 Array = NDArray[np.float64]
@@ -55,11 +55,13 @@ def contact_forces(
     slip: Array,
     lengths: Array,
     step: float,
+    temperature: Array,
+    flow_stress: Array,
 ) -> ContactForces:
     """Forces on particles at ``positions`` with the tool where it is at the end of the step.
 
     Normal force eps L |g| along the tool's normal where the gap g is negative, with the tributary length L, so that
-    the traction does not depend on the spacing; shear force by regularised Coulomb friction against the slip.
+    the traction does not depend on the spacing; shear force by the law of friction, against the slip.
 
     Parameters
     ----------
@@ -75,6 +77,8 @@ def contact_forces(
         Tributary boundary length of each particle (mm); shape (k,).
     step
         Time step (s).
+    temperature, flow_stress
+        Of the particles, which friction may depend on (K, MPa); shape (k,).
     """
     closest = tool.closest(positions)
     normal = closest.normal
@@ -84,8 +88,9 @@ def contact_forces(
     stiffness = np.where(touching, law.penalty * lengths, 0.0)
     normal_force = stiffness * depth
     slip_speed = np.sum(slip * tangent, axis=1) / step
-    ratio = regularised_coulomb(slip_speed, law.friction, law.reference_speed)
-    shear_force = -ratio.value * normal_force
+    interface = Interface(law.penalty * depth, slip_speed, temperature, flow_stress)
+    shear = law.friction.shear(interface, law.reference_speed)
+    shear_force = np.where(touching, -shear.value * lengths, 0.0)
 
     nn = _outer(normal, normal)
     tt = _outer(tangent, tangent)
@@ -99,8 +104,8 @@ def contact_forces(
     derivative = (
         -stiffness[:, None, None] * nn
         + (normal_force * curvature)[:, None, None] * tt
-        + (ratio.value * stiffness)[:, None, None] * tn
-        - (normal_force * ratio.by_speed * speed_slope)[:, None, None] * tt
+        + (shear.by_pressure * stiffness)[:, None, None] * tn
+        - (lengths * touching * shear.by_speed * speed_slope)[:, None, None] * tt
         - (shear_force * curvature)[:, None, None] * nt
     )
     return ContactForces(

@@ -188,7 +188,9 @@ class BodySurface:
 
     def nearest_arcs(self, queries: Array, width: int = _WINDOW) -> IntArray:
         """Arcs near each of ``queries`` (k, 2), neighbours in a row; shape (k, 2 width + 1)."""
-        middles = np.einsum("aj,aji->ai", self.arcs.at(np.arange(len(self.arcs.nodes)), self._half)[0], self.corners)
+        middles = np.einsum(
+            "aj,aji->ai", self.arcs.at(np.arange(len(self.arcs.nodes)), self._half)[0], self.corners
+        )
         return self.arcs.around(cKDTree(middles).query(queries)[1].astype(np.int64), width)
 
     @property

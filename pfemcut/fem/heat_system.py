@@ -7,18 +7,55 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from pfemcut.contact.heat import HeatExchange
 from pfemcut.fem import runtime
 from pfemcut.fem.distribution import CellSpace, DistributedMesh, NodalSpace
 from pfemcut.pfem.heat import HeatSymbols, heat_forms
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.int64]
 
 _TOLERANCE = 1e-11
 
 
 class HeatSolveFailed(Exception):
     """The linear solver of the heat equation did not converge."""
+
+
+class _ExchangeShell:
+    """PETSc's view of a sparse matrix plus a small dense one between a few particles."""
+
+    def __init__(self, matrix: PETSc.Mat, dense: Array, places: IntArray, rows: IntArray) -> None:
+        self._matrix = matrix
+        self._dense = dense
+        self._places = places  # of the owned particles among those of the dense matrix
+        self._rows = rows  # their owned rows
+
+    def mult(self, _: PETSc.Mat, x: PETSc.Vec, y: PETSc.Vec) -> None:
+        """y = (matrix + dense) x."""
+        self._matrix.mult(x, y)
+        values = np.zeros(len(self._dense))
+        values[self._places] = x.array_r[self._rows]
+        values = self._matrix.getComm().tompi4py().allreduce(values)
+        y.array[self._rows] += (self._dense @ values)[self._places]
+
+    def getDiagonal(self, _: PETSc.Mat, diagonal: PETSc.Vec) -> None:  # noqa: N802 - the name that PETSc calls
+        """The diagonal, for the preconditioner."""
+        self._matrix.getDiagonal(diagonal)
+        diagonal.array[self._rows] += np.diag(self._dense)[self._places]
+
+
+def _with_exchange(matrix: PETSc.Mat, space: NodalSpace, interface: HeatExchange) -> PETSc.Mat:
+    owned = space.particles[: space.owned]
+    row = np.full(int(max(owned.max(initial=0), interface.particles.max())) + 1, -1)
+    row[owned] = np.arange(len(owned))
+    rows = row[interface.particles]
+    here = np.flatnonzero(rows >= 0)
+    context = _ExchangeShell(matrix, interface.matrix, here, rows[here])
+    shell = PETSc.Mat().createPython(matrix.getSizes(), context, comm=matrix.getComm())
+    shell.setUp()
+    return shell
 
 
 class HeatKernels:
@@ -41,6 +78,7 @@ def solve_temperature_increment(
     conductivity: Array,
     heat: Array,
     exchange: Array,
+    interface: HeatExchange,
     fixed: BoolArray,
     fixed_increment: Array,
 ) -> Array:
@@ -63,6 +101,9 @@ def solve_temperature_increment(
     exchange
         Heat given off per kelvin of the particle's temperature (mW/(mm K)), whose part at the start of the step is in
         ``heat`` already; shape (n,).
+    interface
+        Exchange between particles, none of them ``fixed``; like ``exchange``, its part at the start of the step is in
+        ``heat`` already.
     fixed, fixed_increment
         Particles with prescribed temperature, and their increment; shape (n,).
 
@@ -97,15 +138,16 @@ def solve_temperature_increment(
     rows = np.flatnonzero(fixed[owned]).astype(np.int32)
     solution.array[:] = fixed_increment[owned]
     matrix.zeroRowsColumnsLocal(rows, 1.0, solution, right)
+    shell = _with_exchange(matrix, space, interface) if len(interface.particles) else matrix
     solver = PETSc.KSP().create(matrix.getComm())
     solver.setType(PETSc.KSP.Type.CG)
     solver.getPC().setType(PETSc.PC.Type.JACOBI)
     solver.setTolerances(rtol=_TOLERANCE, max_it=2000)
-    solver.setOperators(matrix)
+    solver.setOperators(shell)
     solver.solve(right, solution)
     reason = solver.getConvergedReason()
     increment = space.gather(solution.array_r, len(temperature))[:, 0]
-    for owned_object in (solver, right, solution, matrix):
+    for owned_object in (solver, right, solution, matrix, shell):
         owned_object.destroy()
     if reason <= 0 or not np.all(np.isfinite(increment)):
         raise HeatSolveFailed(f"the heat equation was not solved (PETSc's reason {reason})")

@@ -150,9 +150,7 @@ def new_coupled_matrix(space: Any, groups: Iterable[NDArray[np.int32]]) -> Any:
     """A PETSc matrix on the ``space`` whose pattern also couples the local nodes of each of ``groups``."""
     mesh = space.mesh
     dofmap = space.dofmap
-    pattern = cpp.fem.create_sparsity_pattern(
-        mesh.topology, [dofmap, dofmap], {cpp.fem.IntegralType.cell}
-    )
+    pattern = cpp.fem.create_sparsity_pattern(mesh.topology, [dofmap, dofmap], {cpp.fem.IntegralType.cell})
     for group in groups:
         pattern.insert(group, group)
     pattern.assemble()

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshing.mesh import Mesh
-from pfemcut.contact.friction import regularised_coulomb
+from pfemcut.contact.friction import Interface
+from pfemcut.contact.heat import HeatExchange
 from pfemcut.contact.node_to_segment import ContactPoints, SurfaceContact, surface_contact
 from pfemcut.contact.penalty import facing_lengths
 from pfemcut.contact.surface import Arcs, BodySurface, Surface, feet, surface_arcs
@@ -21,12 +22,14 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
-_REACH = 2.0  # arc lengths, and predicted motions in a step, within which a point of the slave surface is watched
+_REACH = (
+    2.0  # arc lengths, and predicted motions in a step, within which a point of the slave surface is watched
+)
 _GAUSS = 0.5 - 0.5 / np.sqrt(3.0)  # first of the two Gauss points of an edge
 
 
 @dataclass(frozen=True)
-class Interface:
+class BodyInterface:
     """One contact pair in one step: the master's arcs, and the points of the slave that may touch them."""
 
     pair: ContactPair
@@ -57,12 +60,12 @@ def surfaces_around(problem: Problem, mesh: Mesh, time: float, body: int) -> tup
     )
 
 
-def contact_search(problem: Problem, mesh: Mesh, motion: Array) -> tuple[Interface, ...]:
+def contact_search(problem: Problem, mesh: Mesh, motion: Array) -> tuple[BodyInterface, ...]:
     """The contact pairs at the start of a step that is predicted to move the particles by ``motion`` (n, 2)."""
     return tuple(_search(problem, mesh, motion, pair) for pair in problem.pairs)
 
 
-def _search(problem: Problem, mesh: Mesh, motion: Array, pair: ContactPair) -> Interface:
+def _search(problem: Problem, mesh: Mesh, motion: Array, pair: ContactPair) -> BodyInterface:
     surface = body_surface(problem, mesh, pair)
     arcs = surface.arcs
     after = BodySurface(arcs, mesh.points + motion)
@@ -92,25 +95,75 @@ def _search(problem: Problem, mesh: Mesh, motion: Array, pair: ContactPair) -> I
         facing = np.flatnonzero(lengths)
         ends, shares, lengths = ends[facing], shares[facing], lengths[facing]
     at = np.einsum("kb,kbi->ki", shares, after.points[ends])
-    return Interface(pair, arcs, ContactPoints(ends, shares, lengths, after.nearest_arcs(at)))
+    return BodyInterface(pair, arcs, ContactPoints(ends, shares, lengths, after.nearest_arcs(at)))
 
 
 def interface_contact(
-    problem: Problem, interface: Interface, positions: Array, displacement: Array, step: float
+    problem: Problem,
+    interface: BodyInterface,
+    positions: Array,
+    displacement: Array,
+    step: float,
+    temperature: Array,
+    flow_stress: Array,
 ) -> SurfaceContact:
-    """Contact of a pair with the particles at ``positions`` (n, 2), reached by ``displacement`` in ``step`` (s)."""
-    law = problem.contact
+    """Contact of a pair with the particles at ``positions`` (n, 2), reached by ``displacement`` in ``step`` (s).
 
-    def friction(pressure: Array, slip_speed: Array, _: IntArray) -> tuple[Array, Array, Array]:
-        ratio = regularised_coulomb(slip_speed, law.friction, law.reference_speed)
-        return ratio.value * pressure, ratio.value, ratio.by_speed * pressure
+    ``temperature`` and ``flow_stress`` (n,) are those of the start of the step, which friction may depend on.
+    """
+    law, points = problem.contact, interface.points
 
-    return surface_contact(
-        interface.arcs, interface.points, positions, displacement, step, law.penalty, friction
+    def friction(pressure: Array, slip_speed: Array, touching: IntArray) -> tuple[Array, Array, Array]:
+        slave, share = points.particles[touching], points.shares[touching]
+        state = Interface(
+            pressure,
+            slip_speed,
+            np.sum(share * temperature[slave], axis=1),
+            np.sum(share * flow_stress[slave], axis=1),
+        )
+        shear = law.friction.shear(state, law.reference_speed)
+        return shear.value, shear.by_pressure, shear.by_speed
+
+    return surface_contact(interface.arcs, points, positions, displacement, step, law.penalty, friction)
+
+
+def spring_energy(problem: Problem, mesh: Mesh) -> float:
+    """Energy in the penalty springs between bodies (mJ/mm)."""
+    still = np.zeros_like(mesh.points)
+
+    def none(pressure: Array, *_: Array | IntArray) -> tuple[Array, Array, Array]:
+        zero = np.zeros_like(pressure)
+        return zero, zero, zero
+
+    return sum(
+        float(
+            surface_contact(
+                each.arcs, each.points, mesh.points, still, 1.0, problem.contact.penalty, none
+            ).energy.sum()
+        )
+        for each in contact_search(problem, mesh, still)
     )
 
 
-def require_found(interface: Interface, found: SurfaceContact, positions: Array) -> None:
+def heat_exchange(problem: Problem, contacts: Sequence[SurfaceContact], fixed: BoolArray) -> HeatExchange:
+    """Conduction through the interfaces (eqs. 29-32); points that touch a ``fixed`` (n,) temperature have none."""
+    law = problem.contact
+    particles = np.unique(np.concatenate([each.particles.ravel() for each in contacts]))
+    place = np.full(len(fixed), -1)
+    place[particles] = np.arange(len(particles))
+    matrix = np.zeros((len(particles), len(particles)))
+    for each in contacts:
+        conductance = law.conductance(each.normal_force / each.lengths) * each.lengths
+        conductance = np.where(fixed[each.particles].any(axis=1), 0.0, conductance)
+        blocks = conductance[:, None, None] * each.shape[:, :, None] * each.shape[:, None, :]
+        at = place[each.particles]
+        np.add.at(matrix, (at[:, :, None], at[:, None, :]), blocks)
+    if not matrix.any():
+        return HeatExchange.none()
+    return HeatExchange(particles, matrix, np.zeros(len(particles)))
+
+
+def require_found(interface: BodyInterface, found: SurfaceContact, positions: Array) -> None:
     """Fail if at the end of a step a point has left the arcs among which its foot was looked for.
 
     Raises

@@ -22,8 +22,8 @@ from pfemcut.materials.return_mapping import (
     returned_deviator,
 )
 from pfemcut.materials.volumetric import volume_ratio_from_pressure
-from pfemcut.pfem.body_contact import contact_search, interface_contact, nodal_forces, require_found
 from pfemcut.pfem.bodies import densities, moduli, over_cells, thermal_strains
+from pfemcut.pfem.body_contact import contact_search, interface_contact, nodal_forces, require_found
 from pfemcut.pfem.kinematics import (
     deformation_gradient,
     element_mean,
@@ -119,6 +119,27 @@ def pressure_volume_ratios(problem: Problem, mesh: Mesh, fields: Fields) -> Arra
     return volume_ratio_from_pressure(pressure / moduli(problem, mesh)[:, 1], strain)
 
 
+def flow_stresses(problem: Problem, mesh: Mesh, eqps: Array, rate: Array, temperature: Array) -> Array:
+    """Flow stress of the elements (MPa), each by its body's law; all (m,)."""
+    return over_cells(
+        problem,
+        mesh,
+        lambda body, c: body.material.hardening.flow_stress(eqps[c], rate[c], temperature[c]).value,
+    )
+
+
+def surface_flow_stress(problem: Problem, mesh: Mesh, fields: Fields) -> Array:
+    """Flow stress of the last step (MPa), averaged over the elements around each particle; (n,)."""
+    stress = flow_stresses(
+        problem,
+        mesh,
+        fields.eqps,
+        _ROOT_2_3 * fields.multiplier_rate,
+        element_mean(fields.temperature, mesh.cells),
+    )
+    return nodal_average(stress, signed_areas(mesh.points, mesh.cells), mesh.cells, len(mesh.points))
+
+
 def prescribed_increments(
     problem: Problem, mesh: Mesh, displacement: Array, start_time: float, step: float
 ) -> tuple[BoolArray, Array]:
@@ -170,6 +191,8 @@ def solve_motion(
     )
     predicted = fields.last_displacement * (step / last_step)
     interfaces = contact_search(problem, mesh, predicted)
+    nodal_flow_stress = surface_flow_stress(problem, mesh, fields)
+    flow_stress = nodal_flow_stress[candidates]
     # Lumped mass of the backward-Euler inertia term m (u / dt - v) / dt; zero in a quasi-static run.
     mass = lumped(areas * densities(problem, mesh) / ratio, cells, count) * float(problem.time.inertia)
     velocity = fields.last_displacement / last_step
@@ -198,6 +221,8 @@ def solve_motion(
                     displacement - step * np.asarray(tool.velocity),
                     lengths,
                     step,
+                    fields.temperature[candidates],
+                    flow_stress,
                 ),
             )
             for tool, shape, lengths in tools
@@ -206,7 +231,12 @@ def solve_motion(
     def body_contacts(unknown: Array) -> tuple[SurfaceContact, ...]:
         displacement = unknown[:, :2]
         positions = mesh.points + displacement
-        return tuple(interface_contact(problem, each, positions, displacement, step) for each in interfaces)
+        return tuple(
+            interface_contact(
+                problem, each, positions, displacement, step, fields.temperature, nodal_flow_stress
+            )
+            for each in interfaces
+        )
 
     def linearise(unknown: Array) -> Linearisation:
         trial, multiplier = kinematics(unknown)
@@ -290,9 +320,7 @@ def implicit_multipliers(
 ) -> Multiplier:
     """Backward-Euler multipliers of all bodies, each with its hardening law; ``temperature`` of the elements (m,)."""
     parts = [
-        implicit_multiplier(
-            trial.of(cells), body.material.hardening, eqps[cells], temperature[cells], step
-        )
+        implicit_multiplier(trial.of(cells), body.material.hardening, eqps[cells], temperature[cells], step)
         for body, cells in zip(problem.bodies, mesh.cell_ranges, strict=True)
     ]
     return parts[0] if len(parts) == 1 else Multiplier.joined(parts)
@@ -333,11 +361,5 @@ def update_plasticity(
         eqps=eqps,
         multiplier_rate=multiplier / step,
         eqps_increment=increment,
-        flow_stress=over_cells(
-            problem,
-            mesh,
-            lambda body, c: body.material.hardening.flow_stress(
-                eqps[c], increment[c] / step, temperature[c]
-            ).value,
-        ),
+        flow_stress=flow_stresses(problem, mesh, eqps, increment / step, temperature),
     )

@@ -8,35 +8,41 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from meshing.initial import outline_mesh
 from meshing.bodies import joined, renumbered, separated
+from meshing.initial import outline_mesh
 from meshing.mesh import Mesh
 from meshing.sizes import SizeField
-from pfemcut.contact.penalty import ContactForces, contact_forces, facing_lengths
-from pfemcut.materials.return_mapping import tensor_norm
-from pfemcut.method import ContactView, Frame, Measures
+from pfemcut.method import Frame, Measures
 from pfemcut.pfem import energies
-from pfemcut.pfem.bodies import moduli
-from pfemcut.pfem.kinematics import element_mean
-from pfemcut.pfem.state import Clock, Fields, Ledger, State, from_arrays, initial_fields, joined_fields, to_arrays
+from pfemcut.pfem.contact_view import contact_view
+from pfemcut.pfem.frames import frame_of
+from pfemcut.pfem.state import (
+    Clock,
+    Fields,
+    Ledger,
+    State,
+    from_arrays,
+    initial_fields,
+    joined_fields,
+    to_arrays,
+)
 from pfemcut.pfem.step import PHASES, Kernels, StepRecord, advance
 from pfemcut.problem import Body, Problem
 from pfemcut.ranks import Ranks
 from pfemcut.timing import Stopwatch
+from pfemcut.tools.heat_block import HeatBlock, block_mesh
 
 Array = NDArray[np.float64]
 
-_ROOT_2_3 = np.sqrt(2.0 / 3.0)
-_ROOT_3_2 = np.sqrt(1.5)
 _NO_STEP = StepRecord(np.zeros(2), 0, 0, 0, 0, 0, 0.0, np.zeros((0, 3)))
 
 
 class PfemMethod:
     """A PFEM run: its problem, its state and the record of its last step."""
 
-    def __init__(self, problem: Problem, state: State):
+    def __init__(self, problem: Problem, state: State, heat_blocks: tuple[HeatBlock, ...] = ()):
         self._problem = problem
-        self._kernels = Kernels(MPI.COMM_WORLD)
+        self._kernels = Kernels(MPI.COMM_WORLD, heat_blocks)
         self._state = state
         self._record = _NO_STEP
         self._watch = Stopwatch(PHASES)
@@ -48,8 +54,12 @@ class PfemMethod:
         mesh = Ranks().on_first(lambda: _initial_mesh(problem))
         first = problem.time.first_step_fraction * problem.time.step
         clock = Clock(step=0, time=0.0, last_dt=first, next_dt=first)
+        blocks = _heat_blocks(problem)
         fields = joined_fields(
-            [_initial_fields(body, part, first) for body, part in zip(problem.bodies, separated(mesh), strict=True)]
+            [
+                _initial_fields(body, part, first)
+                for body, part in zip(problem.bodies, separated(mesh), strict=True)
+            ]
         )
         return cls(
             problem,
@@ -63,13 +73,21 @@ class PfemMethod:
                 last_tool_force=np.zeros(2),
                 last_reactions=np.zeros((len(problem.motions), 3)),
                 probes=_nearest_particles(mesh, [probe.point for probe in problem.probes]),
+                tool_temperature=np.concatenate(
+                    [np.zeros(0)]
+                    + [
+                        np.full(len(block.mesh.points), tool.temperature)
+                        for tool, block in zip(problem.tool, blocks, strict=False)
+                    ]
+                ),
             ),
+            blocks,
         )
 
     @classmethod
     def restore(cls, problem: Problem, arrays: Mapping[str, NDArray[np.generic]]) -> PfemMethod:
         """The run whose :meth:`state` gave ``arrays``."""
-        return cls(problem, from_arrays(arrays))
+        return cls(problem, from_arrays(arrays), _heat_blocks(problem))
 
     @property
     def finished(self) -> bool:
@@ -97,7 +115,7 @@ class PfemMethod:
         mesh, fields, clock, ledger = state.mesh, state.fields, state.clock, state.ledger
         elastic = energies.elastic_energy(problem, mesh, fields)
         kinetic = energies.kinetic_energy(problem, mesh, fields, clock.last_dt)
-        contact = self._contact_view()
+        contact = contact_view(self._problem, self._state)
         return Measures(
             step=clock.step,
             time=clock.time,
@@ -106,8 +124,8 @@ class PfemMethod:
             cutting_force=float(self._record.tool_force[0]),
             thrust_force=float(self._record.tool_force[1]),
             contact_length=float(contact.arc_length.max(initial=0.0)),
-            max_temperature=float(fields.temperature.max()),
-            max_eqps=float(fields.eqps.max()),
+            max_temperature=float(fields.temperature[mesh.particle_ranges[0]].max()),
+            max_eqps=float(fields.eqps[mesh.cell_ranges[0]].max()),
             tool_work=ledger.tool_work,
             plastic_work=ledger.plastic,
             friction_work=ledger.friction,
@@ -122,7 +140,8 @@ class PfemMethod:
         problem, state, record = self._problem, self._state, self._record
         ledger = state.ledger
         content = energies.heat_content(problem, state.mesh, state.fields)
-        supplied = ledger.heat_generated + ledger.heat_supplied
+        supplied = ledger.heat_generated + ledger.heat_supplied + max(-ledger.heat_to_tool, 0.0)
+        left = content + max(ledger.heat_to_tool, 0.0)
         cut_area = sum(cut.depth for cut in problem.cut) * self._travel
         return {
             "elements": len(state.mesh.cells),
@@ -142,9 +161,11 @@ class PfemMethod:
             "heat_generated": ledger.heat_generated,
             "heat_supplied": ledger.heat_supplied,
             "heat_remeshing": ledger.heat_remeshing,
-            "heat_error": (supplied - content) / supplied if supplied else 0.0,
+            "heat_to_tool": ledger.heat_to_tool,
+            "heat_error": (supplied - left) / supplied if supplied else 0.0,
             "area_drift": ledger.area_drift / cut_area if cut_area else 0.0,
             "mass_drift": energies.mass(problem, state.mesh, state.fields) / state.initial_mass - 1.0,
+            **self._tool_heat(),
             **self._reactions(),
             **self._probed(),
         }
@@ -157,38 +178,7 @@ class PfemMethod:
 
     def frame(self) -> Frame:
         """Fields after the last step."""
-        problem, state = self._problem, self._state
-        mesh, fields = state.mesh, state.fields
-        ratio = fields.volume_ratio
-        deviator = fields.b_elastic.copy()
-        deviator[:, :3] -= deviator[:, :3].mean(axis=1, keepdims=True)
-        deviator *= (moduli(problem, mesh)[:, 0] / ratio)[:, None]
-        stress = deviator.copy()
-        stress[:, :3] += element_mean(fields.pressure, mesh.cells)[:, None]
-        return Frame(
-            step=state.clock.step,
-            time=state.clock.time,
-            travel=self._travel,
-            points=mesh.points,
-            cells=mesh.cells,
-            loops=mesh.boundary.loops,
-            point_fields={
-                "displacement": fields.displacement,
-                "velocity": fields.last_displacement / state.clock.last_dt,
-                "pressure": fields.pressure,
-                "temperature": fields.temperature,
-                "particle_id": mesh.ids,
-            },
-            cell_fields={
-                "equivalent_plastic_strain": fields.eqps,
-                "equivalent_plastic_strain_rate": _ROOT_2_3 * fields.multiplier_rate,
-                "von_mises": _ROOT_3_2 * tensor_norm(deviator),
-                "cauchy_stress": stress,
-                "plastic_power": fields.plastic_power,
-            },
-            tool=tuple(tool.at(state.clock.time) for tool in problem.tool),
-            contact=self._contact_view(),
-        )
+        return frame_of(self._problem, self._state, self._kernels.heat_blocks, self._travel)
 
     def state(self) -> Mapping[str, NDArray[np.generic]]:
         """All arrays that :meth:`restore` needs."""
@@ -208,6 +198,25 @@ class PfemMethod:
         if self._problem.time.inertia:
             sinks += kinetic - self._state.initial_kinetic_energy
         return (work - sinks) / work if work else 0.0
+
+    def _tool_heat(self) -> dict[str, float]:
+        """Temperature and heat of a tool that conducts, with the error of its ledger; empty without one."""
+        problem, state = self._problem, self._state
+        columns = {}
+        for tool, block in zip(problem.tool, self._kernels.heat_blocks, strict=False):
+            temperature = state.tool_temperature
+            content = block.content(temperature, tool.temperature)
+            received = state.ledger.heat_to_tool
+            received += (1.0 - problem.contact.heat_partition) * state.ledger.friction
+            held = content + state.ledger.heat_to_holder
+            columns = {
+                "tool_max_temperature": float(temperature.max()),
+                "tool_hottest_along_rake": float(block.arc_length[np.argmax(temperature[block.surface])]),
+                "tool_heat_content": content,
+                "tool_heat_lost": state.ledger.heat_to_holder,
+                "tool_heat_error": (received - held) / received if received else 0.0,
+            }
+        return columns
 
     def _reactions(self) -> dict[str, float]:
         """Forces of the supports on the body (N/mm), and moments (N) where a motion has a gradient."""
@@ -231,27 +240,13 @@ class PfemMethod:
             columns[f"{probe.name}_temperature"] = float(fields.temperature[at])
         return columns
 
-    def _contact_view(self) -> ContactView:
-        problem, state = self._problem, self._state
-        mesh = state.mesh
-        particles = np.unique(mesh.boundary.particles)
-        for tool in problem.tool:
-            shape = tool.at(state.clock.time)
-            lengths = facing_lengths(shape, mesh.points, mesh.boundary.edges)[particles]
-            slip = state.fields.last_displacement[particles] - state.clock.last_dt * np.asarray(tool.velocity)
-            found: ContactForces = contact_forces(
-                shape, problem.contact, mesh.points[particles], slip, lengths, state.clock.last_dt
-            )
-            touching = found.normal_force > 0.0
-            loaded = particles[touching]
-            return ContactView(
-                loaded,
-                shape.arc_length(mesh.points[loaded]),
-                found.normal_force[touching] / lengths[touching],
-                np.abs(found.shear_force[touching]) / lengths[touching],
-            )
-        empty = np.empty(0)
-        return ContactView(np.empty(0, dtype=np.int64), empty, empty, empty)
+
+def _heat_blocks(problem: Problem) -> tuple[HeatBlock, ...]:
+    """Blocks of the tools that conduct heat, in the order of the tools."""
+    conducting = [(tool.shape, conductor) for tool in problem.tool for conductor in tool.conductor]
+    # Every rank must hold the same bits, so one meshes for all.
+    meshes = Ranks().on_first(lambda: [block_mesh(*each) for each in conducting])
+    return tuple(HeatBlock(*each, mesh) for each, mesh in zip(conducting, meshes, strict=True))
 
 
 def _initial_mesh(problem: Problem) -> Mesh:

@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 from meshing.mesh import Mesh, signed_areas
 from meshing.remesh import RemeshMap, SpacingRules, remesh
 from meshing.sizes import SizeField
+from pfemcut.contact.surface import Surface
 from pfemcut.pfem.estimators import coarsening_factors
 from pfemcut.pfem.loads import part_particles
 from pfemcut.pfem.state import Fields
 from pfemcut.problem import ParticleControls, Problem
-from pfemcut.contact.surface import Surface
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -184,8 +184,8 @@ class Ledger:
 
     Work and sinks are defined in the documentation's page on the energy ledger; ``thermoelastic``,
     ``contact`` and ``remeshing`` can have either sign. Heat: ``heat_generated`` is chi times plastic work plus the
-    body's part of friction, ``heat_supplied`` came through boundaries, ``heat_remeshing`` is the content after minus
-    before each transfer.
+    body's part of friction, ``heat_supplied`` came through boundaries, ``heat_to_tool`` left through the interface,
+    ``heat_to_holder`` left a conducting tool, ``heat_remeshing`` is the content after minus before each transfer.
     """
 
     tool_work: float = 0.0
@@ -198,6 +198,8 @@ class Ledger:
     stabilisation: float = 0.0
     heat_generated: float = 0.0
     heat_supplied: float = 0.0
+    heat_to_tool: float = 0.0
+    heat_to_holder: float = 0.0
     heat_remeshing: float = 0.0
     area_drift: float = 0.0
     inserted: int = 0
@@ -217,7 +219,7 @@ class State:
     ``initial_mass`` and ``initial_kinetic_energy`` are those of the start (tonne/mm, mJ/mm); ``probes`` are the
     identities of the particles that the problem's probes follow; ``last_tool_force`` (2,) and ``last_reactions``
     (motions, 3) are the force on the tool (N/mm), and those of the prescribed motions with their moments, at the end
-    of the last step.
+    of the last step; ``tool_temperature`` is that of a conducting tool's block (K), else empty.
     """
 
     mesh: Mesh
@@ -229,6 +231,7 @@ class State:
     probes: IntArray
     last_tool_force: Array
     last_reactions: Array
+    tool_temperature: Array
 
 
 def to_arrays(state: State) -> dict[str, NDArray[np.generic]]:
@@ -249,6 +252,7 @@ def to_arrays(state: State) -> dict[str, NDArray[np.generic]]:
         "probes": state.probes,
         "last_tool_force": state.last_tool_force,
         "last_reactions": state.last_reactions,
+        "tool_temperature": state.tool_temperature,
     }
     for group, data in (("fields", state.fields), ("clock", state.clock), ("ledger", state.ledger)):
         for each in dataclasses.fields(data):
@@ -285,4 +289,5 @@ def from_arrays(arrays: Mapping[str, NDArray[np.generic]]) -> State:
         np.asarray(arrays["probes"], dtype=np.int64),
         np.asarray(arrays["last_tool_force"], dtype=np.float64),
         np.asarray(arrays["last_reactions"], dtype=np.float64),
+        np.asarray(arrays["tool_temperature"], dtype=np.float64),
     )

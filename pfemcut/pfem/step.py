@@ -18,8 +18,8 @@ from pfemcut.fem.momentum_system import MomentumKernels
 from pfemcut.materials.return_mapping import ReturnMappingFailed
 from pfemcut.method import CutEnded, RunStopped
 from pfemcut.pfem import energies
-from pfemcut.pfem.body_contact import deformable_tools, force_within, surfaces_around
 from pfemcut.pfem.bodies import moduli, thermal_strains
+from pfemcut.pfem.body_contact import deformable_tools, force_within, surfaces_around
 from pfemcut.pfem.kinematics import element_mean
 from pfemcut.pfem.loads import nodal_loads, part_particles
 from pfemcut.pfem.mechanics import Motion, PlasticUpdate, solve_motion, update_plasticity
@@ -30,6 +30,7 @@ from pfemcut.pfem.thermal import Heating, solve_heat
 from pfemcut.pfem.transfer import carry_volume, transfer_fields
 from pfemcut.problem import HeatSource, Problem
 from pfemcut.timing import Stopwatch
+from pfemcut.tools.heat_block import HeatBlock
 
 Array = NDArray[np.float64]
 
@@ -49,10 +50,11 @@ _ROOT_2_3 = np.sqrt(2.0 / 3.0)
 
 
 class Kernels:
-    """Compiled forms of a run."""
+    """Compiled forms of a run, and the block of a tool that conducts heat."""
 
-    def __init__(self, comm: MPI.Comm):
+    def __init__(self, comm: MPI.Comm, heat_blocks: tuple[HeatBlock, ...] = ()):
         self.comm = comm
+        self.heat_blocks = heat_blocks
         self.momentum = MomentumKernels(comm)
         self.heat = HeatKernels(comm)
 
@@ -141,6 +143,8 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
                 _heating_power(problem, motion, plastic, power, step),
                 motion.contact,
                 motion.body_contact,
+                kernels.heat_blocks,
+                state.tool_temperature,
                 state.clock.time + step,
                 step,
             )
@@ -180,6 +184,7 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
         ledger=ledger,
         last_tool_force=record.tool_force,
         last_reactions=record.reactions,
+        tool_temperature=heating.tool_temperature,
     )
     return new_state, record
 
@@ -206,7 +211,10 @@ def _particle_step(
     if not problem.particles.remesh:
         unchanged = np.ones(len(state.mesh.cells), dtype=bool)
         return state.mesh, carry_volume(problem, state.mesh, state.fields, unchanged), ()
-    meshes, parts, maps, unchanged = [], [], [], []
+    meshes: list[Mesh] = []
+    parts: list[Fields] = []
+    maps: list[RemeshMap] = []
+    unchanged: list[NDArray[np.bool_]] = []
     next_id = state.mesh.next_id
     separate = zip(
         problem.bodies, separated(state.mesh), separated_fields(state.fields, state.mesh), strict=True
@@ -221,9 +229,7 @@ def _particle_step(
         with watch.phase("particles"):
             try:
                 around = surfaces_around(problem, state.mesh, state.clock.time, number)
-                new, remesh_map = remesh_particles(
-                    problem, old, held, around, state.clock.time, state.probes
-                )
+                new, remesh_map = remesh_particles(problem, old, held, around, state.clock.time, state.probes)
             except (BoundaryCrossing, TriangulationFailed) as failure:
                 what = f"{body.name} after step {state.clock.step}"
                 if isinstance(failure, BoundaryCrossing) and problem.cut:
@@ -313,6 +319,8 @@ def _record(
         stabilisation=_stabilisation_work(problem, mesh, fields, motion, pressure, warming, areas),
         heat_generated=heating.generated,
         heat_supplied=heating.supplied,
+        heat_to_tool=heating.to_tool,
+        heat_to_holder=heating.to_holder,
     )
     record = StepRecord(
         tool_force=force,
@@ -362,7 +370,13 @@ def _boundary_work(
     """Work of prescribed motions, but a tool's, and of loads over the step (mJ/mm), by the trapezoidal rule."""
     start = state.clock.time
     work = 0.0
-    driven = {part for tool in problem.tool for body in problem.bodies if body.name == tool.body for part in body.parts}
+    driven = {
+        part
+        for tool in problem.tool
+        for body in problem.bodies
+        if body.name == tool.body
+        for part in body.parts
+    }
     for each, before, after in zip(problem.motions, state.last_reactions, reactions, strict=True):
         if each.part not in driven:
             work += 0.5 * float((before + after) @ each.increment(start, start + step))

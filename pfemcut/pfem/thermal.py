@@ -6,16 +6,20 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_matrix
 
 from meshing.mesh import Mesh, signed_areas
+from pfemcut.contact.heat import HeatExchange, exchange_matrix
 from pfemcut.contact.node_to_segment import SurfaceContact
 from pfemcut.fem.distribution import DistributedMesh
 from pfemcut.fem.heat_system import HeatKernels, solve_temperature_increment
 from pfemcut.pfem.bodies import over_cells
+from pfemcut.pfem.body_contact import heat_exchange
 from pfemcut.pfem.kinematics import element_mean, lumped, tributary_lengths
 from pfemcut.pfem.loads import part_edges, part_particles
 from pfemcut.pfem.mechanics import ContactResult
 from pfemcut.problem import MovingHeatBand, Problem
+from pfemcut.tools.heat_block import HeatBlock
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -33,11 +37,20 @@ class Heating:
         Heat of plasticity and of friction that entered the body (mJ/mm).
     supplied
         Heat through boundaries with prescribed flux or temperature (mJ/mm).
+    to_tool
+        Heat through the interface into the tool, friction's share apart (mJ/mm).
+    to_holder
+        Heat from a conducting tool into its holder (mJ/mm).
+    tool_temperature
+        Of the particles of a conducting tool's block (K); empty without one.
     """
 
     increment: Array
     generated: float
     supplied: float
+    to_tool: float
+    to_holder: float
+    tool_temperature: Array
 
 
 def heat_capacity(problem: Problem, mesh: Mesh, temperature: Array, volume_ratio: Array) -> Array:
@@ -59,6 +72,8 @@ def solve_heat(
     plastic_power: Array,
     contact: tuple[ContactResult, ...],
     body_contact: tuple[SurfaceContact, ...],
+    blocks: tuple[HeatBlock, ...],
+    tool_temperature: Array,
     time: float,
     step: float,
 ) -> Heating:
@@ -74,11 +89,13 @@ def solve_heat(
         Plastic power per current volume (mW/mm³); (m,).
     contact, body_contact
         Contact results, whose friction heats.
+    blocks, tool_temperature
+        The block of a conducting tool and its temperature at the start of the step (K), or none and empty.
     time, step
         Time at the end of the step, and its length (s).
     """
     count = len(mesh.points)
-    at = element_mean(temperature, mesh.cells)
+    element_temperature = element_mean(temperature, mesh.cells)
     areas = signed_areas(mesh.points, mesh.cells)
     capacity = heat_capacity(problem, mesh, temperature, volume_ratio) / step
     lumped_capacity = lumped(areas * capacity, mesh.cells, count)
@@ -91,8 +108,11 @@ def solve_heat(
         sources[each.particles] += problem.contact.heat_partition * each.forces.friction_power
     for found in body_contact:
         # To the slave its share, to the master the rest (eqs. 34, 35 with halves).
-        share = np.where(found.shape > 0.0, problem.contact.heat_partition, problem.contact.heat_partition - 1.0)
+        share = np.where(
+            found.shape > 0.0, problem.contact.heat_partition, problem.contact.heat_partition - 1.0
+        )
         np.add.at(sources, found.particles, share * found.shape * found.friction_power[:, None])
+    touching = _touching(problem, contact)
     flux, exchange = _boundary_flux(problem, mesh, temperature, time)
 
     fixed = np.zeros(count, dtype=bool)
@@ -101,23 +121,92 @@ def solve_heat(
         particles = part_particles(problem, mesh, condition.part)
         fixed[particles] = True
         fixed_increment[particles] = condition.temperature(time) - temperature[particles]
+    places = [
+        block.places(tool.at(time).arc_length(mesh.points[touching.particles]))
+        for tool, block in zip(problem.tool, blocks, strict=False)
+    ]
+    surface_power = [at.T @ touching.tool_power for at in places]
+    if problem.pairs:
+        interface = heat_exchange(problem, body_contact, fixed)
+    else:
+        interface = _interface(
+            problem, touching, fixed, blocks, places, surface_power, tool_temperature, step
+        )
+    drawn = np.zeros(count)
+    drawn[interface.particles] = interface.taken(temperature)
     increment = solve_temperature_increment(
         kernels,
         distributed,
         temperature,
         capacity,
         lumped_capacity,
-        over_cells(problem, mesh, lambda body, c: body.material.conductivity(at[c])),
-        sources + flux,
+        over_cells(problem, mesh, lambda body, c: body.material.conductivity(element_temperature[c])),
+        sources + flux - drawn,
         exchange,
+        interface,
         fixed,
         fixed_increment,
     )
     stored = float(lumped_capacity @ increment) * step
     generated = float(sources.sum()) * step
     through = float(flux.sum() - exchange @ increment) * step
-    supplied = stored - generated if fixed.any() else through
-    return Heating(increment, generated, supplied)
+    taken = interface.taken(temperature + increment)
+    to_tool = float(taken.sum()) * step
+    supplied = stored - generated + to_tool if fixed.any() else through
+    after, to_holder = tool_temperature, 0.0
+    for block, at, power in zip(blocks, places, surface_power, strict=True):
+        after, to_holder = block.advanced(tool_temperature, power + at.T @ taken, step)
+    return Heating(increment, generated, supplied, to_tool, to_holder * step, after)
+
+
+@dataclass(frozen=True)
+class _Touching:
+    """Particles in contact: their conductance (mW/(mm K)) and the friction heat that enters the tool (mW/mm); (k,)."""
+
+    particles: IntArray
+    conductance: Array
+    tool_power: Array
+
+
+def _touching(problem: Problem, contact: tuple[ContactResult, ...]) -> _Touching:
+    law = problem.contact
+    for each in contact:
+        forces = each.forces
+        loaded = forces.normal_force > 0.0
+        pressure = law.penalty * np.maximum(-forces.gap[loaded], 0.0)
+        length = forces.normal_force[loaded] / pressure
+        return _Touching(
+            each.particles[loaded],
+            law.conductance(pressure) * length,
+            (1.0 - law.heat_partition) * forces.friction_power[loaded],
+        )
+    return _Touching(np.empty(0, dtype=np.int64), np.zeros(0), np.zeros(0))
+
+
+def _interface(
+    problem: Problem,
+    touching: _Touching,
+    fixed: NDArray[np.bool_],
+    blocks: tuple[HeatBlock, ...],
+    places: list[csr_matrix],
+    surface_power: list[Array],
+    tool_temperature: Array,
+    step: float,
+) -> HeatExchange:
+    """Exchange with the tool at its given temperature, or with its block, whose warming in the step is eliminated."""
+    if not touching.conductance.any() and not blocks:
+        return HeatExchange.none()
+    # A particle whose temperature is prescribed has no use for the tool's.
+    conductance = np.where(fixed[touching.particles], 0.0, touching.conductance)
+    count = len(conductance)
+    response = np.zeros((count, count))
+    ambient = np.full(count, problem.tool[0].temperature)
+    for block, at, power in zip(blocks, places, surface_power, strict=True):
+        # As the block would be at the end of the step if nothing but friction heated it.
+        alone, _ = block.advanced(tool_temperature, power, step)
+        response = block.response(at, step)
+        ambient = np.asarray(at @ alone[block.surface])
+    return HeatExchange(touching.particles, exchange_matrix(conductance, response), ambient)
 
 
 def _boundary_flux(problem: Problem, mesh: Mesh, temperature: Array, time: float) -> tuple[Array, Array]:

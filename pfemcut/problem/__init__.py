@@ -31,6 +31,7 @@ from pfemcut.problem.controls import (
 )
 from pfemcut.problem.problem import (
     Body,
+    Conductor,
     ContactIntegration,
     ContactLaw,
     ContactPair,
@@ -44,6 +45,7 @@ __all__ = [
     "Axis",
     "Body",
     "Coarsening",
+    "Conductor",
     "ContactIntegration",
     "ContactLaw",
     "ContactPair",

@@ -8,6 +8,8 @@ from enum import Enum
 from meshing.initial import Arc
 from meshing.mesh import Mesh
 from meshing.sizes import SizeField
+from pfemcut.contact.conductance import Conductance
+from pfemcut.contact.friction import FrictionLaw
 from pfemcut.materials.material import Material
 from pfemcut.problem.conditions import (
     Convection,
@@ -73,14 +75,52 @@ class Probe:
 
 
 @dataclass(frozen=True)
-class MovingTool:
-    """A tool at time zero and its constant velocity (mm/s).
+class Conductor:
+    """The block of a rigid tool that conducts heat; its properties are constant.
 
-    ``body`` names the body that it is, if it is deformable: then the shape is that of the tool without load.
+    Attributes
+    ----------
+    density, capacity, conductivity
+        tonne/mm³, mm²/(s² K), N/(s K).
+    length
+        Of the rake and flank faces, from the tip to the holder (mm).
+    fine_length
+        Length of the rake face along which the mesh is finest (mm).
+    tip_size, growth
+        Finest spacing (mm), and its increase per distance.
+    """
+
+    density: float
+    capacity: float
+    conductivity: float
+    length: float
+    fine_length: float
+    tip_size: float
+    growth: float
+
+
+@dataclass(frozen=True)
+class MovingTool:
+    """A tool at time zero, and how it moves and conducts.
+
+    Attributes
+    ----------
+    shape
+        The tool at time zero.
+    velocity
+        Constant (mm/s).
+    temperature
+        Of the tool, or at the start and of its holder if it conducts (K).
+    conductor
+        Its block if it conducts heat, else none: then it keeps its temperature.
+    body
+        Name of the body that it is, if it is deformable: then the shape is that of the tool without load.
     """
 
     shape: RigidWedge
     velocity: tuple[float, float]
+    temperature: float = 293.15
+    conductor: tuple[Conductor, ...] = ()
     body: str = ""
 
     def at(self, time: float) -> RigidWedge:
@@ -93,24 +133,27 @@ class MovingTool:
 
 @dataclass(frozen=True)
 class ContactLaw:
-    """Penalty contact with regularised Coulomb friction (paper, eqs. 14, 26, 33).
+    """Penalty contact with friction and heat (paper, eqs. 14, 26, 29, 33).
 
     Attributes
     ----------
     penalty
         Pressure per penetration (MPa/mm).
     friction
-        Coulomb coefficient.
+        Law of the shear traction.
     reference_speed
         Regularisation speed V_ref of eq. 26 (mm/s).
     heat_partition
         Fraction of the friction heat that enters the workpiece.
+    conductance
+        Of heat through the interface; none unless given.
     """
 
     penalty: float
-    friction: float
+    friction: FrictionLaw
     reference_speed: float
     heat_partition: float
+    conductance: Conductance = Conductance(0.0)
 
 
 class ContactIntegration(Enum):

@@ -122,6 +122,15 @@ FIGURES = (
         "mm",
         "Distance of the hottest particle from the rake face.",
     ),
+    Definition(
+        "tool_max_temperature", "Maximum temperature of the tool", "K", "Of a tool that conducts heat."
+    ),
+    Definition(
+        "tool_hottest_along_rake",
+        "Hottest point of the tool's surface",
+        "mm",
+        "Distance from the rake tangent point along the rake face; negative on tip and flank.",
+    ),
     Definition("peak_strain_rate", "Peak plastic strain rate", "1/s", "Largest of all elements."),
     Definition("max_eqps", "Maximum equivalent plastic strain", "-", "Largest of all elements."),
     Definition(
@@ -143,6 +152,13 @@ FIGURES = (
         "Area drift",
         "-",
         "Sum over remeshes of (area after − before) over depth × travel.",
+        Taken.LAST,
+    ),
+    Definition(
+        "tool_heat_error",
+        "Error of the tool's heat ledger",
+        "-",
+        "(received − lost to the holder − heat content) / received, at the end.",
         Taken.LAST,
     ),
     Definition("mass_drift", "Mass drift", "-", "Relative change of the integral of density.", Taken.LAST),

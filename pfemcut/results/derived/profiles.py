@@ -9,8 +9,11 @@ from numpy.typing import NDArray
 
 from pfemcut.method import Frame
 from pfemcut.results.derived.contact_length import temperature
+from pfemcut.results.derived.tool_state import without_load
 
 Array = NDArray[np.float64]
+
+_ON_SURFACE = 1e-7  # mm; written positions are in double precision
 
 
 @dataclass(frozen=True)
@@ -31,6 +34,17 @@ class ToolProfile:
     pressure: Array
     shear: Array
     temperature: Array
+
+
+def tool_surface_temperature(frame: Frame) -> tuple[Array, Array]:
+    """Arc length (mm), rising, and temperature (K) of the surface of a tool that conducts heat; both empty without."""
+    for tool, block in zip(frame.tool, frame.tool_blocks, strict=False):
+        points = without_load(block)
+        on_surface = np.abs(tool.closest(points).gap) < _ON_SURFACE
+        arc = tool.arc_length(points[on_surface])
+        order = np.argsort(arc, kind="stable")
+        return arc[order], np.asarray(block.point_fields["temperature"], dtype=np.float64)[on_surface][order]
+    return np.empty(0), np.empty(0)
 
 
 def tool_profile(frame: Frame) -> ToolProfile:
