@@ -214,7 +214,7 @@ def _particle_step(
     meshes: list[Mesh] = []
     parts: list[Fields] = []
     maps: list[RemeshMap] = []
-    unchanged: list[NDArray[np.bool_]] = []
+    kept: list[NDArray[np.bool_]] = []
     next_id = state.mesh.next_id
     separate = zip(
         problem.bodies, separated(state.mesh), separated_fields(state.fields, state.mesh), strict=True
@@ -223,7 +223,7 @@ def _particle_step(
         if not body.remesh:
             meshes.append(old)
             parts.append(held)
-            unchanged.append(np.ones(len(old.cells), dtype=bool))
+            kept.append(np.ones(len(old.cells), dtype=bool))
             continue
         old = replace(old, next_id=next_id)
         with watch.phase("particles"):
@@ -240,10 +240,10 @@ def _particle_step(
         next_id = new.next_id
         meshes.append(new)
         maps.append(remesh_map)
-        unchanged.append(remesh_map.unchanged)
+        kept.append(remesh_map.unchanged)
     mesh = joined(meshes)
     with watch.phase("transfer"):
-        fields = carry_volume(problem, mesh, joined_fields(parts), np.concatenate(unchanged))
+        fields = carry_volume(problem, mesh, joined_fields(parts), np.concatenate(kept))
     return mesh, fields, tuple(maps)
 
 
