@@ -68,6 +68,7 @@ def cutting_problem(case: Case, material: Material) -> Problem:
             ContactPair(
                 slave=("side", "top", "bottom", "fixed"),
                 master=("tool_rake", "tool_tip", "tool_flank"),
+                law=contact_law(case.contact),
                 integration=ContactIntegration(given.contact_points),
                 smooth=given.smooth,
             ),

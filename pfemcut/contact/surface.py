@@ -24,6 +24,10 @@ BoolArray = NDArray[np.bool_]
 
 _SHARP = np.cos(np.radians(40.0))  # at a particle where the boundary turns more the curve has a corner
 _ITERATIONS = 8
+_OVERHANG = (
+    0.1  # of its first and last arc by which a chain is longer, so that a point on its end does not chatter
+)
+_PROLONGED = 0.5  # of an edge: how far a point may slide past the end of the only edge that it looks at
 _WINDOW = 3  # arcs on each side of the nearest particle's among which the foot is looked for
 
 # Shape functions of an arc, rows for 1, t, t²: B-spline arc, half edges at the ends of a chain, whole edge.
@@ -61,6 +65,16 @@ class Arcs:
     first: IntArray
     last: IntArray
     closed: BoolArray
+
+    @property
+    def begins_chain(self) -> BoolArray:
+        """Arcs that an open chain begins with; shape (a,)."""
+        return ~self.closed & (self.first == np.arange(len(self.first)))
+
+    @property
+    def ends_chain(self) -> BoolArray:
+        """Arcs that an open chain ends with; shape (a,)."""
+        return ~self.closed & (self.last == np.arange(len(self.last)))
 
     def around(self, middle: IntArray, width: int = _WINDOW) -> IntArray:
         """Arcs up to ``width`` beside each of ``middle`` (k,) along its chain; shape (k, 2 width + 1)."""
@@ -150,19 +164,23 @@ def _chains(points: Array, boundary: Boundary, chosen: BoolArray) -> list[tuple[
 def feet(arcs: Arcs, points: Array, queries: Array, candidates: IntArray) -> Foot:
     """Nearest point to each of ``queries`` (k, 2) on its ``candidates`` (k, w), a run of neighbouring arcs.
 
-    Newton's method for r . x'(t) = 0 (eq. 21 on a curve), kept on the arc; ``points`` (n, 2) are all particles.
+    Newton's method for r . x'(t) = 0 (eq. 21 on a curve), kept on the arc; ``points`` (n, 2) are all particles. A
+    single candidate is prolonged by half its length.
     """
     corners = points[arcs.nodes[candidates]]
     chord = corners[..., -1, :] - corners[..., 0, :]
     t = np.sum((queries[:, None] - corners[..., 0, :]) * chord, axis=-1)
-    t = np.clip(t / np.maximum(np.sum(chord**2, axis=-1), 1e-300), 0.0, 1.0)
+    inner = _PROLONGED if candidates.shape[1] == 1 else 0.0
+    lowest = np.where(arcs.begins_chain[candidates], -_OVERHANG, -inner)
+    highest = np.where(arcs.ends_chain[candidates], 1.0 + _OVERHANG, 1.0 + inner)
+    t = np.clip(t / np.maximum(np.sum(chord**2, axis=-1), 1e-300), lowest, highest)
     for _ in range(_ITERATIONS):
         shape, slope, bend = arcs.at(candidates, t)
         r = queries[:, None] - np.einsum("kwa,kwai->kwi", shape, corners)
         tangent = np.einsum("kwa,kwai->kwi", slope, corners)
         speed = np.sum(tangent**2, axis=-1)
         curve = speed - np.sum(r * np.einsum("kwa,kwai->kwi", bend, corners), axis=-1)
-        t = np.clip(t + np.sum(r * tangent, axis=-1) / np.maximum(curve, 0.1 * speed), 0.0, 1.0)
+        t = np.clip(t + np.sum(r * tangent, axis=-1) / np.maximum(curve, 0.1 * speed), lowest, highest)
     shape, slope, _ = arcs.at(candidates, t)
     r = queries[:, None] - np.einsum("kwa,kwai->kwi", shape, corners)
     distance = np.hypot(r[..., 0], r[..., 1])
@@ -173,7 +191,8 @@ def feet(arcs: Arcs, points: Array, queries: Array, candidates: IntArray) -> Foo
     across = r[:, 0] * tangent[:, 1] - r[:, 1] * tangent[:, 0]
     along = np.sum(r * tangent, axis=1)
     # At the end of the run the foot is not where the surface is nearest, unless it lies there by chance.
-    beyond = ((t == 0.0) & (arc == candidates[:, 0])) | ((t == 1.0) & (arc == candidates[:, -1]))
+    at_start = (t == lowest[row, best]) & (arc == candidates[:, 0])
+    beyond = at_start | ((t == highest[row, best]) & (arc == candidates[:, -1]))
     beyond &= np.abs(along) > 1e-9 * np.sum(tangent**2, axis=1)
     gap = np.where(beyond, distance, across / np.hypot(*tangent.T))
     return Foot(arc, t, gap, beyond)

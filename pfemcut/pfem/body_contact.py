@@ -25,7 +25,8 @@ BoolArray = NDArray[np.bool_]
 _REACH = (
     2.0  # arc lengths, and predicted motions in a step, within which a point of the slave surface is watched
 )
-_GAUSS = 0.5 - 0.5 / np.sqrt(3.0)  # first of the two Gauss points of an edge
+_SMALLEST_PIECE = 1e-9  # of an edge
+_GAUSS = 0.5 - 0.5 / np.sqrt(3.0)  # first of the two Gauss points of a piece
 
 
 @dataclass(frozen=True)
@@ -86,20 +87,56 @@ def _search(problem: Problem, mesh: Mesh, motion: Array, pair: ContactPair) -> B
         ends, shares = np.column_stack([facing, facing]), np.tile([1.0, 0.0], (len(facing), 1))
         lengths = lengths[facing]
     else:
-        ends = np.repeat(edges, 2, axis=0)
-        shares = np.tile([[1.0 - _GAUSS, _GAUSS], [_GAUSS, 1.0 - _GAUSS]], (len(edges), 1))
+        place, part, edge = _edge_points(surface, mesh.points, edges)
+        ends, shares = edges[edge], np.column_stack([1.0 - place, place])
         along = mesh.points[ends[:, 1]] - mesh.points[ends[:, 0]]
         outward = np.column_stack([along[:, 1], -along[:, 0]])
         at = np.einsum("kb,kbi->ki", shares, mesh.points[ends])
-        lengths = 0.5 * np.maximum(-np.sum(outward * surface.closest(at).normal, axis=1), 0.0)
+        lengths = part * np.maximum(-np.sum(outward * surface.closest(at).normal, axis=1), 0.0)
         facing = np.flatnonzero(lengths)
         ends, shares, lengths = ends[facing], shares[facing], lengths[facing]
     at = np.einsum("kb,kbi->ki", shares, after.points[ends])
-    return BodyInterface(pair, arcs, ContactPoints(ends, shares, lengths, after.nearest_arcs(at)))
+    # An edge is the point's own for the whole step: at a corner of the polygon it would otherwise chatter.
+    candidates = after.nearest_arcs(at) if pair.smooth else after.foot(at).arc[:, None]
+    return BodyInterface(pair, arcs, ContactPoints(ends, shares, lengths, candidates))
+
+
+def _edge_points(surface: BodySurface, points: Array, edges: IntArray) -> tuple[Array, Array, IntArray]:
+    """Gauss points of slave ``edges`` (e, 2), two on each piece that faces one arc of the master.
+
+    So the shape functions of either side are integrated exactly, as in mortar methods, and a uniform pressure
+    passes from mesh to mesh.
+
+    Returns
+    -------
+    place, part
+        Coordinate of each point on its edge, from 0 to 1, and the part of the edge that it stands for; (k,).
+    edge
+        Its edge; (k,).
+    """
+    arcs = surface.arcs
+    start, end = points[edges[:, 0]], points[edges[:, 1]]
+    here, there = surface.foot(start).arc, surface.foot(end).arc
+    low, high = np.minimum(here, there), np.maximum(here, there)
+    split = (arcs.first[low] == arcs.first[high]) & (2 * (high - low) < arcs.last[low] - arcs.first[low] + 2)
+    most = int((high - low)[split].max(initial=0))
+    joint = low[:, None] + 1 + np.arange(most)
+    valid = split[:, None] & (joint <= high[:, None])
+    joint = np.where(valid, joint, 0)
+    shape, _, _ = arcs.at(joint, np.zeros(joint.shape))
+    at = np.einsum("ema,emai->emi", shape, surface.points[arcs.nodes[joint]])
+    along = end - start
+    cut = np.einsum("emi,ei->em", at - start[:, None], along) / np.sum(along**2, axis=1)[:, None]
+    inner = np.sort(np.where(valid, np.clip(cut, 0.0, 1.0), 1.0), axis=1)
+    knots = np.column_stack([np.zeros(len(edges)), inner, np.ones(len(edges))])
+    width = np.diff(knots, axis=1)
+    edge, piece = np.nonzero(width > _SMALLEST_PIECE)
+    left, width = knots[edge, piece], width[edge, piece]
+    place = np.concatenate([left + _GAUSS * width, left + (1.0 - _GAUSS) * width])
+    return place, np.tile(0.5 * width, 2), np.tile(edge, 2)
 
 
 def interface_contact(
-    problem: Problem,
     interface: BodyInterface,
     positions: Array,
     displacement: Array,
@@ -111,7 +148,7 @@ def interface_contact(
 
     ``temperature`` and ``flow_stress`` (n,) are those of the start of the step, which friction may depend on.
     """
-    law, points = problem.contact, interface.points
+    law, points = interface.pair.law, interface.points
 
     def friction(pressure: Array, slip_speed: Array, touching: IntArray) -> tuple[Array, Array, Array]:
         slave, share = points.particles[touching], points.shares[touching]
@@ -138,7 +175,7 @@ def spring_energy(problem: Problem, mesh: Mesh) -> float:
     return sum(
         float(
             surface_contact(
-                each.arcs, each.points, mesh.points, still, 1.0, problem.contact.penalty, none
+                each.arcs, each.points, mesh.points, still, 1.0, each.pair.law.penalty, none
             ).energy.sum()
         )
         for each in contact_search(problem, mesh, still)
@@ -147,13 +184,12 @@ def spring_energy(problem: Problem, mesh: Mesh) -> float:
 
 def heat_exchange(problem: Problem, contacts: Sequence[SurfaceContact], fixed: BoolArray) -> HeatExchange:
     """Conduction through the interfaces (eqs. 29-32); points that touch a ``fixed`` (n,) temperature have none."""
-    law = problem.contact
     particles = np.unique(np.concatenate([each.particles.ravel() for each in contacts]))
     place = np.full(len(fixed), -1)
     place[particles] = np.arange(len(particles))
     matrix = np.zeros((len(particles), len(particles)))
-    for each in contacts:
-        conductance = law.conductance(each.normal_force / each.lengths) * each.lengths
+    for pair, each in zip(problem.pairs, contacts, strict=True):
+        conductance = pair.law.conductance(each.normal_force / each.lengths) * each.lengths
         conductance = np.where(fixed[each.particles].any(axis=1), 0.0, conductance)
         blocks = conductance[:, None, None] * each.shape[:, :, None] * each.shape[:, None, :]
         at = place[each.particles]
@@ -176,10 +212,12 @@ def require_found(interface: BodyInterface, found: SurfaceContact, positions: Ar
     if not len(at):
         return
     surface = BodySurface(interface.arcs, positions)
-    inside = feet(interface.arcs, positions, at, surface.nearest_arcs(at)).gap < 0.0
-    touching = np.zeros(len(at), dtype=bool)
-    touching[found.points] = True
-    if (inside != touching).any():
+    missed = surface.foot(at).gap < 0.0
+    missed[found.points] = False
+    if not interface.pair.smooth:
+        # On its own edge a point may be off the surface that is just within the neighbour's.
+        missed &= feet(interface.arcs, positions, at, points.candidates).beyond
+    if missed.any():
         raise StepFailed("a particle slides out of the reach of the contact search")
 
 

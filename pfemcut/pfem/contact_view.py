@@ -29,7 +29,6 @@ def contact_view(problem: Problem, state: State) -> ContactView:
             state,
             interface,
             interface_contact(
-                problem,
                 interface,
                 mesh.points,
                 fields.last_displacement,

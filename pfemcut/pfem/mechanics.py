@@ -232,9 +232,7 @@ def solve_motion(
         displacement = unknown[:, :2]
         positions = mesh.points + displacement
         return tuple(
-            interface_contact(
-                problem, each, positions, displacement, step, fields.temperature, nodal_flow_stress
-            )
+            interface_contact(each, positions, displacement, step, fields.temperature, nodal_flow_stress)
             for each in interfaces
         )
 

@@ -106,11 +106,10 @@ def solve_heat(
     )
     for each in contact:
         sources[each.particles] += problem.contact.heat_partition * each.forces.friction_power
-    for found in body_contact:
+    for pair, found in zip(problem.pairs, body_contact, strict=True):
         # To the slave its share, to the master the rest (eqs. 34, 35 with halves).
-        share = np.where(
-            found.shape > 0.0, problem.contact.heat_partition, problem.contact.heat_partition - 1.0
-        )
+        to_slave = pair.law.heat_partition
+        share = np.where(found.shape > 0.0, to_slave, to_slave - 1.0)
         np.add.at(sources, found.particles, share * found.shape * found.friction_power[:, None])
     touching = _touching(problem, contact)
     flux, exchange = _boundary_flux(problem, mesh, temperature, time)

@@ -175,10 +175,13 @@ class ContactPair:
         See the enumeration.
     smooth
         Whether the master's surface is a smooth curve instead of the polygon of its edges.
+    law
+        Law of this contact.
     """
 
     slave: tuple[str, ...]
     master: tuple[str, ...]
+    law: ContactLaw
     integration: ContactIntegration = ContactIntegration.NODES
     smooth: bool = True
 
@@ -217,7 +220,7 @@ class Problem:
     tool
         Tools, none or one.
     contact
-        Law of contact between body and tool.
+        Law of contact between body and rigid tool.
     particles, time, newton
         Controls.
     stabilisation
