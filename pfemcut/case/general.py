@@ -51,9 +51,10 @@ def general_problem(case: GeneralCase, material: Material, base_directory: Path)
     CaseError
         If a mesh file can't be used, or a boundary names a part that it does not have.
     """
-    body = _body(case.body[0], material, base_directory)
+    body = _body(case.body[0], material, case.mesh, base_directory)
     others = tuple(
-        _body(table, load_material(table.material, base_directory), base_directory) for table in case.body[1:]
+        _body(table, load_material(table.material, base_directory), case.mesh, base_directory)
+        for table in case.body[1:]
     )
     names = [part for each in (body, *others) for part in dict.fromkeys(each.parts)]
     pairs = case.contact if isinstance(case.contact, tuple) else ()
@@ -120,7 +121,7 @@ def size_field(mesh: GeneralMesh) -> SizeField:
     )
 
 
-def _body(table: BodyTable, material: Material, base_directory: Path) -> Body:
+def _body(table: BodyTable, material: Material, spacing: GeneralMesh, base_directory: Path) -> Body:
     temperature = material.reference_temperature if table.temperature is None else table.temperature
     if table.mesh is not None:
         try:
@@ -139,7 +140,7 @@ def _body(table: BodyTable, material: Material, base_directory: Path) -> Body:
         table.velocity,
         tuple(Arc(arc.side, arc.centre) for arc in table.arcs),
         remesh=table.remesh,
-        sizes=() if table.size is None else (SizeField((), table.size),),
+        sizes=() if table.coarser == 1.0 else (size_field(spacing).scaled(table.coarser),),
     )
 
 

@@ -100,10 +100,8 @@ class BodyTable(Section):
         description="Initial temperature (K); the material's reference temperature unless given",
     )
     velocity: Point = Field(default=(0.0, 0.0), description="Initial velocity, with inertia (mm/s)")
-    size: float | None = Field(
-        default=None,
-        gt=0,
-        description="Spacing of the first mesh of this body (mm), instead of what [mesh] says",
+    coarser: float = Field(
+        default=1.0, gt=0, description="Factor on the spacing of [mesh] in the first mesh of this body"
     )
     remesh: bool = Field(default=True, description="Whether this body is triangulated anew, if [mesh] remesh")
 
