@@ -215,11 +215,11 @@ class PairTable(Contact):
     slave: Names = Field(min_length=1, description="Boundary parts whose particles are held off the others")
     master: Names = Field(min_length=1, description="Boundary parts of another body that they touch")
     points: Literal["nodes", "edges"] = Field(
-        default="nodes",
+        default="edges",
         description="Where contact acts: at the slave's particles, or at Gauss points of its edges",
     )
     smooth: bool = Field(
-        default=True,
+        default=False,
         description="Whether the master is a smooth curve through its particles, or its edges",
     )
 

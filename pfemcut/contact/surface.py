@@ -9,6 +9,7 @@ a straight boundary it is the boundary. With ``smooth=False`` the arcs are the e
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -23,7 +24,8 @@ IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
 _SHARP = np.cos(np.radians(40.0))  # at a particle where the boundary turns more the curve has a corner
-_ITERATIONS = 8
+_ITERATIONS = 20
+_CONVERGED = 1e-13
 _OVERHANG = (
     0.1  # of its first and last arc by which a chain is longer, so that a point on its end does not chatter
 )
@@ -180,7 +182,10 @@ def feet(arcs: Arcs, points: Array, queries: Array, candidates: IntArray) -> Foo
         tangent = np.einsum("kwa,kwai->kwi", slope, corners)
         speed = np.sum(tangent**2, axis=-1)
         curve = speed - np.sum(r * np.einsum("kwa,kwai->kwi", bend, corners), axis=-1)
+        before = t
         t = np.clip(t + np.sum(r * tangent, axis=-1) / np.maximum(curve, 0.1 * speed), lowest, highest)
+        if np.abs(t - before).max(initial=0.0) < _CONVERGED:
+            break
     shape, slope, _ = arcs.at(candidates, t)
     r = queries[:, None] - np.einsum("kwa,kwai->kwi", shape, corners)
     distance = np.hypot(r[..., 0], r[..., 1])
@@ -207,19 +212,25 @@ class BodySurface:
 
     def nearest_arcs(self, queries: Array, width: int = _WINDOW) -> IntArray:
         """Arcs near each of ``queries`` (k, 2), neighbours in a row; shape (k, 2 width + 1)."""
-        middles = np.einsum(
-            "aj,aji->ai", self.arcs.at(np.arange(len(self.arcs.nodes)), self._half)[0], self.corners
-        )
-        return self.arcs.around(cKDTree(middles).query(queries)[1].astype(np.int64), width)
+        return self.arcs.around(self._tree.query(queries)[1].astype(np.int64), width)
+
+    def about(self, queries: Array, reach: float) -> BoolArray:
+        """Which of ``queries`` (k, 2) may be closer than ``reach`` (mm): all that are, and some more; shape (k,)."""
+        ends = self.corners
+        longest = float(np.hypot(*(ends[:, 2] - ends[:, 0]).T).max())
+        distance: Array = self._tree.query(queries, distance_upper_bound=reach + longest)[0]
+        return np.isfinite(distance)
+
+    @cached_property
+    def _tree(self) -> cKDTree:
+        """Search tree of the middles of the arcs."""
+        shape, _, _ = self.arcs.at(np.arange(len(self.arcs.nodes)), np.full(len(self.arcs.nodes), 0.5))
+        return cKDTree(np.einsum("aj,aji->ai", shape, self.corners))
 
     @property
     def corners(self) -> Array:
         """Positions of the arcs' particles (mm); shape (a, 3, 2)."""
         return self.points[self.arcs.nodes]
-
-    @property
-    def _half(self) -> Array:
-        return np.full(len(self.arcs.nodes), 0.5)
 
     def foot(self, queries: Array) -> Foot:
         """Nearest points of the whole surface to ``queries`` (k, 2)."""

@@ -74,6 +74,9 @@ def _search(problem: Problem, mesh: Mesh, motion: Array, pair: ContactPair) -> B
     edges = mesh.boundary.edges[chosen]
     near = np.zeros(len(mesh.points), dtype=bool)
     particles = np.unique(edges)
+    fastest = float(np.hypot(*(motion - motion[arcs.nodes[0, 0]]).T).max())
+    longest = float(np.hypot(*(surface.corners[:, 2] - surface.corners[:, 0]).T).max())
+    particles = particles[after.about(after.points[particles], _REACH * (longest + fastest))]
     foot = after.foot(after.points[particles])
     master = arcs.nodes[foot.arc]
     ends = mesh.points[master]
