@@ -9,7 +9,7 @@ fail() { echo "setup: $*" >&2; exit 1; }
 # 1. Debian packages. The dolfinx JIT needs a C compiler and Python's headers.
 packages=(
     python3-dolfinx python3-petsc4py python3-mpi4py openmpi-bin python3-gmsh gmsh libopenblas0-pthread
-    python3-h5py python3-scipy python3-venv python3-dev gcc libc6-dev make
+    python3-h5py python3-numba python3-scipy python3-venv python3-dev gcc libc6-dev make
 )
 command -v dpkg-query >/dev/null || fail "needs Debian 12 or a system with its packages (no dpkg-query here)"
 missing=()

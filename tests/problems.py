@@ -288,14 +288,9 @@ def no_forces() -> NodalForces:
 
 def dense_tangent(system: MomentumSystem, count: int, fixed: NDArray[np.bool_]) -> Array:
     """The matrix of the Newton correction at the last residual, rows and columns in the order of (n, 3)."""
-    system.solve(np.zeros((count, 3)), no_forces())
+    system.assemble(no_forces())
     indices = np.arange(3 * count, dtype=np.int32)
-    matrix = system._matrix.getValues(indices, indices)  # no public way to see it
-    particles = system._mixed.particles
-    order = (3 * particles[:, None] + np.arange(3)).ravel()
-    dense = np.empty_like(matrix)
-    dense[np.ix_(order, order)] = matrix
-    return dense[np.ix_(~fixed.ravel(), ~fixed.ravel())]
+    return system.matrix().getValues(indices, indices)[np.ix_(~fixed.ravel(), ~fixed.ravel())]
 
 
 @cache

@@ -9,7 +9,9 @@ from petsc4py import PETSc
 
 from pfemcut.contact.heat import HeatExchange
 from pfemcut.fem import runtime
-from pfemcut.fem.distribution import CellSpace, DistributedMesh, NodalSpace
+from pfemcut.fem.element_kernels import Packing, add_matrix, corner_coordinates
+from pfemcut.fem.partition import Partition
+from pfemcut.fem.sparsity import Sparsity
 from pfemcut.pfem.heat import HeatSymbols, heat_forms
 
 Array = NDArray[np.float64]
@@ -46,8 +48,7 @@ class _ExchangeShell:
         diagonal.array[self._rows] += np.diag(self._dense)[self._places]
 
 
-def _with_exchange(matrix: PETSc.Mat, space: NodalSpace, interface: HeatExchange) -> PETSc.Mat:
-    owned = space.particles[: space.owned]
+def _with_exchange(matrix: PETSc.Mat, owned: IntArray, interface: HeatExchange) -> PETSc.Mat:
     row = np.full(int(max(owned.max(initial=0), interface.particles.max())) + 1, -1)
     row[owned] = np.arange(len(owned))
     rows = row[interface.particles]
@@ -59,19 +60,19 @@ def _with_exchange(matrix: PETSc.Mat, space: NodalSpace, interface: HeatExchange
 
 
 class HeatKernels:
-    """The form and elements of the heat equation, compiled once a run."""
+    """The form of the heat equation, compiled once a run."""
 
     def __init__(self, comm: MPI.Comm):
-        self.domain = runtime.coordinate_domain()
-        self.symbols = HeatSymbols.on(self.domain)
-        self.form = runtime.CompiledForm(comm, heat_forms(self.domain, self.symbols))
-        self.scalar = runtime.CompiledElement(comm, runtime.nodal_element(1))
-        self.element = runtime.CompiledElement(comm, runtime.cell_element(2))
+        domain = runtime.coordinate_domain()
+        symbols = HeatSymbols.on(domain)
+        form = runtime.CompiledForm(comm, heat_forms(domain, symbols))
+        self.matrix = Packing({symbols.element: 2}).kernel(form)
 
 
 def solve_temperature_increment(
     kernels: HeatKernels,
-    mesh: DistributedMesh,
+    partition: Partition,
+    points: Array,
     temperature: Array,
     capacity: Array,
     lumped_capacity: Array,
@@ -86,8 +87,10 @@ def solve_temperature_increment(
 
     Parameters
     ----------
-    mesh
-        The updated configuration x_{n+1}.
+    partition
+        Shares of the ranks.
+    points
+        The updated configuration x_{n+1} (mm); shape (n, 2).
     temperature
         Temperature at the start of the step (K); shape (n,).
     capacity
@@ -117,28 +120,40 @@ def solve_temperature_increment(
     HeatSolveFailed
         If the solver does not converge.
     """
-    space = NodalSpace(mesh, kernels.scalar, 1)
-    cells = CellSpace(mesh, kernels.element)
-    element = cells.function(np.column_stack([capacity, conductivity]))
-    form = kernels.form.bind(mesh.cpp, [space.cpp, space.cpp], {kernels.symbols.element: element}, {})
-    matrix = runtime.new_matrix(form)
-    runtime.assemble_matrix(matrix, form)
-    matrix.assemble()
+    sparsity = Sparsity.of(partition)
+    pointers, columns = sparsity.scalar_rows(1)
+    values = np.zeros(len(columns))
+    add_matrix(
+        kernels.matrix.address,
+        kernels.matrix.columns,
+        np.column_stack([capacity, conductivity])[partition.elements],
+        np.empty(0),
+        corner_coordinates(points, partition.corners),
+        partition.cells,
+        1,
+        False,
+        sparsity.first,
+        sparsity.starts,
+        sparsity.places,
+        values,
+    )
+    own = partition.particles[partition.first : partition.last]
+    size = (len(own), partition.count)
+    matrix = PETSc.Mat().createAIJ((size, size), csr=(pointers, columns, values), comm=partition.comm)
     # In increments, so that the solver's tolerance is one of the change and not of some 300 K.
     right, solution = matrix.createVecs()
-    owned = space.particles[: space.owned]
-    solution.array[:] = temperature[owned]
+    solution.array[:] = temperature[own]
     matrix.mult(solution, right)
-    right.array[:] = (heat + lumped_capacity * temperature)[owned] - right.array_r
+    right.array[:] = (heat + lumped_capacity * temperature)[own] - right.array_r
     if exchange.any():
         diagonal = matrix.getDiagonal()
-        diagonal.array[:] += exchange[owned]
+        diagonal.array[:] += exchange[own]
         matrix.setDiagonal(diagonal)
         diagonal.destroy()
-    rows = np.flatnonzero(fixed[owned]).astype(np.int32)
-    solution.array[:] = fixed_increment[owned]
-    matrix.zeroRowsColumnsLocal(rows, 1.0, solution, right)
-    shell = _with_exchange(matrix, space, interface) if len(interface.particles) else matrix
+    rows = (partition.first + np.flatnonzero(fixed[own])).astype(np.int32)
+    solution.array[:] = fixed_increment[own]
+    matrix.zeroRowsColumns(rows, 1.0, solution, right)
+    shell = _with_exchange(matrix, own, interface) if len(interface.particles) else matrix
     solver = PETSc.KSP().create(matrix.getComm())
     solver.setType(PETSc.KSP.Type.CG)
     solver.getPC().setType(PETSc.PC.Type.JACOBI)
@@ -146,7 +161,7 @@ def solve_temperature_increment(
     solver.setOperators(shell)
     solver.solve(right, solution)
     reason = solver.getConvergedReason()
-    increment = space.gather(solution.array_r, len(temperature))[:, 0]
+    increment = partition.gather(solution.array_r.copy(), 1)[:, 0]
     for owned_object in (solver, right, solution, matrix, shell):
         owned_object.destroy()
     if reason <= 0 or not np.all(np.isfinite(increment)):

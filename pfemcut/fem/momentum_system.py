@@ -5,16 +5,24 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from types import TracebackType
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
-from petsc4py import PETSc
 
 from pfemcut.fem import runtime
-from pfemcut.fem.couplings import add_blocks, coupled_matrix, pairs_within
 from pfemcut.fem.direct_solver import DirectSolver
-from pfemcut.fem.distribution import CellSpace, DistributedMesh, NodalSpace
+from pfemcut.fem.element_kernels import (
+    ElementKernel,
+    Packing,
+    add_matrix,
+    add_vector,
+    corner_coordinates,
+    pack_corners,
+)
+from pfemcut.fem.partition import Partition
+from pfemcut.fem.sparsity import Sparsity, add_blocks, fix_unknowns
 from pfemcut.pfem.momentum import ELEMENT_COMPONENTS, MomentumSymbols, momentum_forms
 from pfemcut.timing import Stopwatch
 
@@ -22,21 +30,30 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
+COMPONENTS = 3  # unknowns of a particle: u_x, u_y, p
+
 
 class MomentumKernels:
-    """The forms and elements of the momentum equation, compiled once a run."""
+    """The forms of the momentum equation, compiled once a run."""
 
     def __init__(self, comm: MPI.Comm):
-        self.comm = comm
-        self.domain = runtime.coordinate_domain()
-        self.symbols = MomentumSymbols.on(self.domain)
-        residual, jacobian = momentum_forms(self.domain, self.symbols)
-        self.residual = tuple(runtime.CompiledForm(comm, part) for part in residual)
-        self.jacobian = tuple(runtime.CompiledForm(comm, part) for part in jacobian)
-        self.mixed = runtime.CompiledElement(comm, runtime.nodal_element(3))
-        self.scalar = runtime.CompiledElement(comm, runtime.nodal_element(1))
-        self.element = runtime.CompiledElement(comm, runtime.cell_element(ELEMENT_COMPONENTS))
-        self.pair = runtime.CompiledElement(comm, runtime.cell_element(2))
+        domain = runtime.coordinate_domain()
+        symbols = self.symbols = MomentumSymbols.on(domain)
+        residual, jacobian = momentum_forms(domain, symbols)
+        corners = 3
+        self.packing = Packing(
+            {
+                symbols.unknown: corners * COMPONENTS,
+                symbols.thermal_strain: corners,
+                symbols.settled_pressure: corners,
+                symbols.element: ELEMENT_COMPONENTS,
+                symbols.moduli: 2,
+            }
+        )
+        self.residual, self.jacobian = (
+            tuple(self.packing.kernel(runtime.CompiledForm(comm, part)) for part in parts)
+            for parts in (residual, jacobian)
+        )
 
 
 @dataclass(frozen=True)
@@ -67,6 +84,17 @@ class NodalForces:
         """Forces that depend on the displacement of their own particle only; ``stiffness`` is (k, 2, 2)."""
         return NodalForces(particles, forces, particles, particles, stiffness)
 
+    def symmetric_part(self) -> NodalForces:
+        """The same forces with the symmetric part of their stiffness."""
+        transposed = np.swapaxes(self.stiffness, 1, 2)
+        return NodalForces(
+            self.particles,
+            self.forces,
+            np.concatenate([self.rows, self.columns]),
+            np.concatenate([self.columns, self.rows]),
+            0.5 * np.concatenate([self.stiffness, transposed]),
+        )
+
     @staticmethod
     def sum(parts: Sequence[NodalForces]) -> NodalForces:
         """All forces of ``parts`` together."""
@@ -82,14 +110,16 @@ class NodalForces:
 
 
 class MomentumSystem:
-    """Residual and linear solves on one mesh; use as a context manager, it owns PETSc objects.
+    """Residual and linear solves on one mesh; use as a context manager, it owns a PETSc solver.
 
     Parameters
     ----------
     kernels
         Compiled forms.
-    mesh
-        The configuration x_n.
+    partition
+        Shares of the ranks.
+    points
+        The configuration x_n (mm); shape (n, 2).
     fixed
         Unknowns (u_x, u_y, p) with prescribed increments; shape (n, 3).
     moduli
@@ -100,6 +130,9 @@ class MomentumSystem:
         3 alpha (theta - theta_0) on particles; shape (n,).
     settled_pressure
         What the stabilisation leaves out of the pressure (MPa); shape (n,).
+    symmetric
+        Whether to solve with the symmetric part of the tangent, which is cheaper. Without friction the tangent is
+        symmetric but for a few per cent, and Newton's method converges as fast.
     watch
         Times set-up, assembly and linear solves.
     couplings
@@ -109,61 +142,47 @@ class MomentumSystem:
     def __init__(
         self,
         kernels: MomentumKernels,
-        mesh: DistributedMesh,
+        partition: Partition,
+        points: Array,
         fixed: BoolArray,
         moduli: Array,
         stabilisation: float,
         thermal_strain: Array,
         settled_pressure: Array,
+        symmetric: bool,
         watch: Stopwatch,
         couplings: Sequence[IntArray] = (),
     ):
         self._watch = watch
+        self._kernels = kernels
+        self._partition = partition
         with watch.phase("system"):
-            self._set_up(
-                kernels, mesh, fixed, moduli, stabilisation, thermal_strain, settled_pressure, couplings
+            symbols, packing = kernels.symbols, kernels.packing
+            values = {symbols.stabilisation: stabilisation}
+            self._constants = {
+                kernel: np.array([values[symbol] for symbol in kernel.form.constants])
+                for kernel in (*kernels.residual, *kernels.jacobian)
+            }
+            self._coordinates = corner_coordinates(points, partition.corners)
+            self._data = np.empty((len(partition.elements), packing.width))
+            for symbol, field in (
+                (symbols.thermal_strain, thermal_strain),
+                (symbols.settled_pressure, settled_pressure),
+            ):
+                self._pack(symbol, field[:, None])
+            self._data[:, packing.columns(symbols.moduli)] = moduli[partition.elements]
+            self._fixed = np.empty(fixed.shape, dtype=bool)
+            self._fixed[partition.number] = fixed
+            self._sparsity = Sparsity.of(partition, couplings)
+            self._pointers, self._columns = self._sparsity.scalar_rows(COMPONENTS)
+            self._values = np.zeros(len(self._columns))
+            self._symmetric = symmetric
+            # The projection is linear in the pressure: its matrix stays.
+            self._projection = self._values.copy()
+            self._add(kernels.jacobian[1], self._projection)
+            self._solver = DirectSolver(
+                partition.comm, self._pointers, self._columns, self._values, symmetric=symmetric
             )
-
-    def _set_up(
-        self,
-        kernels: MomentumKernels,
-        mesh: DistributedMesh,
-        fixed: BoolArray,
-        moduli: Array,
-        stabilisation: float,
-        thermal_strain: Array,
-        settled_pressure: Array,
-        couplings: Sequence[IntArray],
-    ) -> None:
-        symbols = kernels.symbols
-        self._count = len(fixed)
-        self._mixed = NodalSpace(mesh, kernels.mixed, 3)
-        self._global_nodes = self._mixed.global_nodes(self._count)
-        self._cells = CellSpace(mesh, kernels.element)
-        scalar = NodalSpace(mesh, kernels.scalar, 1)
-        self._unknown = runtime.new_function(self._mixed.cpp)
-        self._element = runtime.new_function(self._cells.cpp)
-        functions = {
-            symbols.unknown: self._unknown,
-            symbols.element: self._element,
-            symbols.thermal_strain: scalar.function(thermal_strain),
-            symbols.settled_pressure: scalar.function(settled_pressure),
-            symbols.moduli: CellSpace(mesh, kernels.pair).function(moduli),
-        }
-        constants = {symbols.stabilisation: runtime.new_constant(stabilisation)}
-        space = self._mixed.cpp
-        self._residual = tuple(
-            part.bind(mesh.cpp, [space], functions, constants) for part in kernels.residual
-        )
-        self._jacobian = tuple(
-            part.bind(mesh.cpp, [space, space], functions, constants) for part in kernels.jacobian
-        )
-        self._fixed_rows = np.flatnonzero(fixed[self._mixed.particles].ravel()).astype(np.int32)
-        self._matrix = coupled_matrix(self._jacobian[0], self._mixed, couplings, self._count)
-        self._coupled = pairs_within(couplings)
-        self._matrix.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
-        self._right, self._solution = self._matrix.createVecs()
-        self._solver = DirectSolver(self._matrix)
 
     def __enter__(self) -> MomentumSystem:
         return self
@@ -175,18 +194,29 @@ class MomentumSystem:
         traceback: TracebackType | None,
     ) -> None:
         self._solver.destroy()
-        for owned in (self._right, self._solution, self._matrix):
-            owned.destroy()
 
     def internal_residual(self, unknown: Array, element: Array) -> Array:
         """The form's residual at ``unknown`` (n, 3) with ``element`` data (m, components); shape (n, 3)."""
+        partition = self._partition
         with self._watch.phase("assembly"):
-            self._mixed.load(self._unknown, unknown)
-            self._cells.load(self._element, element)
-            local = np.zeros(3 * len(self._mixed.particles))
-            for part in self._residual:
-                runtime.assemble_vector(local, part)
-            return self._accumulate(local)
+            self._pack(self._kernels.symbols.unknown, unknown)
+            self._data[:, self._kernels.packing.columns(self._kernels.symbols.element)] = element[
+                partition.elements
+            ]
+            total = np.zeros(COMPONENTS * partition.count)
+            for kernel in self._kernels.residual:
+                add_vector(
+                    kernel.address,
+                    kernel.columns,
+                    self._data,
+                    self._constants[kernel],
+                    self._coordinates,
+                    partition.cells,
+                    COMPONENTS,
+                    total,
+                )
+            own = total[COMPONENTS * partition.first : COMPONENTS * partition.last]
+            return partition.gather(own, COMPONENTS)
 
     def solve(self, residual: Array, nodal: NodalForces) -> tuple[Array, bool]:
         """Newton correction -K^-1 ``residual`` (n, 3) at the point of the last residual; fixed unknowns get none.
@@ -198,40 +228,54 @@ class MomentumSystem:
         solved
             Whether the factorisation succeeded.
         """
+        partition = self._partition
         with self._watch.phase("assembly"):
-            matrix = self._matrix
-            matrix.zeroEntries()
-            for part in self._jacobian:
-                runtime.assemble_matrix(matrix, part)
-            self._add_nodal_stiffness(nodal)
-            matrix.assemble()
-            owned_rows = self._fixed_rows[self._fixed_rows < 3 * self._mixed.owned]
-            matrix.zeroRowsColumnsLocal(owned_rows, 1.0)
+            self.assemble(nodal)
         with self._watch.phase("linear_solve"):
-            right = -residual[self._mixed.particles[: self._mixed.owned]].ravel()
-            right[owned_rows] = 0.0
-            self._right.array[:] = right
-            solved = self._solver.solve(self._right, self._solution)
-            return self._mixed.gather(self._solution.array_r, self._count), solved
+            right = np.empty((partition.count, COMPONENTS))
+            right[partition.number] = -residual
+            right[self._fixed] = 0.0
+            own, solved = self._solver.solve(right[partition.first : partition.last].ravel())
+            return partition.gather(own, COMPONENTS), solved
 
-    def _add_nodal_stiffness(self, nodal: NodalForces) -> None:
-        if len(nodal.rows):
-            add_blocks(self._matrix, self._global_nodes, 3, nodal.rows, nodal.columns, nodal.stiffness)
-        if len(self._coupled[0]):
-            # An entry that the first assembly does not set is lost to the later ones.
-            rows, columns = self._coupled
-            add_blocks(self._matrix, self._global_nodes, 3, rows, columns, np.zeros((len(rows), 2, 2)))
-            self._coupled = pairs_within(())
+    def assemble(self, nodal: NodalForces) -> None:
+        """Put the tangent at the point of the last residual, with the stiffness of ``nodal``, into the matrix."""
+        partition, sparsity = self._partition, self._sparsity
+        self._values[:] = self._projection
+        self._add(self._kernels.jacobian[0], self._values)
+        if self._symmetric:
+            nodal = nodal.symmetric_part()
+        rows, columns = partition.number[nodal.rows], partition.number[nodal.columns]
+        mine = (partition.first <= rows) & (rows < partition.last)
+        rows, columns = rows[mine], columns[mine]
+        blocks = sparsity.blocks(rows, columns)
+        stiffness = nodal.stiffness[mine]
+        add_blocks(sparsity.starts, self._values, COMPONENTS, blocks, rows - partition.first, stiffness)
+        fix_unknowns(
+            self._pointers, self._columns, self._values, self._fixed.ravel(), COMPONENTS * partition.first
+        )
 
-    def _accumulate(self, local: Array) -> Array:
-        """Sum of all ranks' local contributions, ghosts included, on every rank; shape (n, 3)."""
-        total = np.zeros((self._count, 3))
-        total[self._mixed.particles] = local.reshape(-1, 3)
-        comm = self._matrix.getComm().tompi4py()
-        if comm.size > 1:
-            # Not Allreduce, whose result may differ in the last bit between ranks: every rank decides on these bits.
-            summed = np.empty_like(total)
-            comm.Reduce(total, summed, op=MPI.SUM, root=0)
-            comm.Bcast(summed, root=0)
-            return summed
-        return total
+    def matrix(self) -> Any:
+        """The PETSc matrix of the last :meth:`assemble`, which this object keeps."""
+        return self._solver.update()
+
+    def _add(self, kernel: ElementKernel, values: Array) -> None:
+        sparsity = self._sparsity
+        add_matrix(
+            kernel.address,
+            kernel.columns,
+            self._data,
+            self._constants[kernel],
+            self._coordinates,
+            self._partition.cells,
+            COMPONENTS,
+            self._symmetric,
+            sparsity.first,
+            sparsity.starts,
+            sparsity.places,
+            values,
+        )
+
+    def _pack(self, symbol: object, values: Array) -> None:
+        column = self._kernels.packing.columns(symbol).start
+        pack_corners(self._data, column, np.ascontiguousarray(values), self._partition.corners)

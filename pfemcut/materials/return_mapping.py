@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from pfemcut.materials.material import HardeningLaw
@@ -80,19 +81,32 @@ class Multiplier:
 
 def elastic_trial(b_elastic: Array, gradient: Array, shear_modulus: Array | float) -> Trial:
     """Trial state b_trial = j^(-2/3) f b f^T of ``b_elastic`` (m, 4) for f = ``gradient`` (m, 2, 2)."""
-    fxx, fxy, fyx, fyy = gradient[:, 0, 0], gradient[:, 0, 1], gradient[:, 1, 0], gradient[:, 1, 1]
-    jacobian = fxx * fyy - fxy * fyx
-    scale = shear_modulus * np.maximum(jacobian, 1e-6) ** (-2.0 / 3.0)
-    bxx, byy, bzz, bxy = b_elastic.T
-    gxx, gxy = fxx * bxx + fxy * bxy, fxx * bxy + fxy * byy
-    gyx, gyy = fyx * bxx + fyy * bxy, fyx * bxy + fyy * byy
-    xx = scale * (gxx * fxx + gxy * fxy)
-    yy = scale * (gyx * fyx + gyy * fyy)
-    xy = scale * (gxx * fyx + gxy * fyy)
-    zz = scale * bzz
-    mu_bar = (xx + yy + zz) / 3.0
-    deviator = np.column_stack([xx - mu_bar, yy - mu_bar, zz - mu_bar, xy])
-    return Trial(jacobian, deviator, np.maximum(tensor_norm(deviator), _TINY), mu_bar)
+    modulus = np.broadcast_to(np.asarray(shear_modulus, dtype=np.float64), len(gradient)).copy()
+    return Trial(*_elastic_trial(b_elastic, gradient, modulus))
+
+
+@njit(cache=True)
+def _elastic_trial(b_elastic, gradient, shear_modulus):  # type: ignore[no-untyped-def]
+    count = len(gradient)
+    jacobian, norm, mu_bar = np.empty(count), np.empty(count), np.empty(count)
+    deviator = np.empty((count, 4))
+    for i in range(count):
+        fxx, fxy, fyx, fyy = gradient[i, 0, 0], gradient[i, 0, 1], gradient[i, 1, 0], gradient[i, 1, 1]
+        bxx, byy, bzz, bxy = b_elastic[i, 0], b_elastic[i, 1], b_elastic[i, 2], b_elastic[i, 3]
+        jacobian[i] = fxx * fyy - fxy * fyx
+        scale = shear_modulus[i] * max(jacobian[i], 1e-6) ** (-2.0 / 3.0)
+        gxx, gxy = fxx * bxx + fxy * bxy, fxx * bxy + fxy * byy
+        gyx, gyy = fyx * bxx + fyy * bxy, fyx * bxy + fyy * byy
+        xx = scale * (gxx * fxx + gxy * fxy)
+        yy = scale * (gyx * fyx + gyy * fyy)
+        xy = scale * (gxx * fyx + gxy * fyy)
+        zz = scale * bzz
+        mean = (xx + yy + zz) / 3.0
+        xx, yy, zz = xx - mean, yy - mean, zz - mean
+        mu_bar[i] = mean
+        deviator[i, 0], deviator[i, 1], deviator[i, 2], deviator[i, 3] = xx, yy, zz, xy
+        norm[i] = max(np.sqrt(xx * xx + yy * yy + zz * zz + 2.0 * xy * xy), _TINY)
+    return jacobian, deviator, norm, mu_bar
 
 
 def tensor_norm(tensor: Array) -> Array:

@@ -3,39 +3,55 @@
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
-
-from meshing.mesh import signed_areas
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 
-def shape_gradients(points: Array, cells: IntArray) -> Array:
+@njit(cache=True)
+def shape_gradients(points, cells):  # type: ignore[no-untyped-def]
     """Gradients of the three linear shape functions of each triangle (1/mm); shape (m, 3, 2)."""
-    x = points[cells]
-    edge = np.roll(x, -2, axis=1) - np.roll(x, -1, axis=1)  # edge opposite to each vertex
-    gradient = np.stack([-edge[..., 1], edge[..., 0]], axis=2)
-    return gradient / (2.0 * signed_areas(points, cells))[:, None, None]
+    gradients = np.empty((len(cells), 3, 2))
+    for i in range(len(cells)):
+        a, b, c = points[cells[i, 0]], points[cells[i, 1]], points[cells[i, 2]]
+        double_area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+        # Each is perpendicular to the edge opposite to its vertex.
+        gradients[i, 0, 0], gradients[i, 0, 1] = (b[1] - c[1]) / double_area, (c[0] - b[0]) / double_area
+        gradients[i, 1, 0], gradients[i, 1, 1] = (c[1] - a[1]) / double_area, (a[0] - c[0]) / double_area
+        gradients[i, 2, 0], gradients[i, 2, 1] = (a[1] - b[1]) / double_area, (b[0] - a[0]) / double_area
+    return gradients
 
 
-def deformation_gradient(gradients: Array, cells: IntArray, displacement: Array) -> Array:
+@njit(cache=True)
+def deformation_gradient(gradients, cells, displacement):  # type: ignore[no-untyped-def]
     """Relative deformation gradient f = 1 + grad u of ``displacement`` (n, 2); shape (m, 2, 2)."""
-    f = np.einsum("mai,maj->mij", displacement[cells], gradients)
-    f[:, 0, 0] += 1.0
-    f[:, 1, 1] += 1.0
+    f = np.empty((len(cells), 2, 2))
+    for i in range(len(cells)):
+        for j in range(2):
+            for k in range(2):
+                total = 1.0 if j == k else 0.0
+                for a in range(3):
+                    total += displacement[cells[i, a], j] * gradients[i, a, k]
+                f[i, j, k] = total
     return f
 
 
 def element_mean(values: Array, cells: IntArray) -> Array:
     """Value at the Gauss points of a field on particles (n, ...); shape (m, ...)."""
-    return values[cells].mean(axis=1)
+    mean: Array = (values[cells[:, 0]] + values[cells[:, 1]] + values[cells[:, 2]]) / 3.0
+    return mean
 
 
-def lumped(values: Array, cells: IntArray, count: int) -> Array:
+@njit(cache=True)
+def lumped(values, cells, count):  # type: ignore[no-untyped-def]
     """A third of each element's ``values`` (m,) given to each of its particles, summed; shape (count,)."""
-    total = np.bincount(cells.ravel(), np.repeat(values / 3.0, 3), minlength=count)
-    return total.astype(np.float64, copy=False)
+    total = np.zeros(count)
+    for i in range(len(cells)):
+        for a in range(3):
+            total[cells[i, a]] += values[i] / 3.0
+    return total
 
 
 def nodal_average(values: Array, weights: Array, cells: IntArray, count: int) -> Array:

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from meshing.mesh import Mesh, signed_areas
 from pfemcut.contact.node_to_segment import SurfaceContact
 from pfemcut.contact.penalty import ContactForces, contact_forces, facing_lengths
-from pfemcut.fem.distribution import DistributedMesh
 from pfemcut.fem.momentum_system import MomentumKernels, MomentumSystem, NodalForces
+from pfemcut.fem.partition import Partition
 from pfemcut.materials.return_mapping import (
     Multiplier,
     Trial,
@@ -160,7 +160,7 @@ def prescribed_increments(
 def solve_motion(
     problem: Problem,
     kernels: MomentumKernels,
-    distributed: DistributedMesh,
+    partition: Partition,
     mesh: Mesh,
     fields: Fields,
     *,
@@ -267,14 +267,17 @@ def solve_motion(
     settled = fields.pressure if incremental else np.zeros(count)
     size = np.sqrt(lumped(areas, cells, count))
     nodal_modulus = nodal_average(shear_modulus, areas, cells, count)
+    laws = (problem.contact, *(pair.law for pair in problem.pairs))
     with MomentumSystem(
         kernels,
-        distributed,
+        partition,
+        mesh.points,
         fixed,
         stiffness,
         problem.stabilisation,
         strain,
         settled,
+        all(law.frictionless for law in laws),
         watch,
         [group for each in interfaces for group in each.couplings],
     ) as system:

@@ -12,9 +12,10 @@ from meshing.bodies import joined, separated
 from meshing.mesh import Mesh, signed_areas
 from meshing.remesh import RemeshMap
 from meshing.triangulation import BoundaryCrossing, TriangulationFailed
-from pfemcut.fem.distribution import DistributedMesh
+from pfemcut.allocator import keep_freed_memory
 from pfemcut.fem.heat_system import HeatKernels, HeatSolveFailed
 from pfemcut.fem.momentum_system import MomentumKernels
+from pfemcut.fem.partition import Partition
 from pfemcut.materials.return_mapping import ReturnMappingFailed
 from pfemcut.method import CutEnded, RunStopped
 from pfemcut.pfem import energies
@@ -53,6 +54,7 @@ class Kernels:
     """Compiled forms of a run, and the block of a tool that conducts heat."""
 
     def __init__(self, comm: MPI.Comm, heat_blocks: tuple[HeatBlock, ...] = ()):
+        keep_freed_memory()
         self.comm = comm
         self.heat_blocks = heat_blocks
         self.momentum = MomentumKernels(comm)
@@ -103,7 +105,7 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
     wished = step = _step_length(problem, state.clock)
     cuts = 0
     with watch.phase("mesh"):
-        distributed = DistributedMesh(kernels.comm, mesh.points, mesh.cells, kernels.momentum.domain)
+        partition = Partition(kernels.comm, mesh.points, mesh.cells)
     while True:
         # Box 4, steps 1 and 2: contact search and momentum, with the extrapolated multiplier.
         try:
@@ -111,7 +113,7 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
                 motion = solve_motion(
                     problem,
                     kernels.momentum,
-                    distributed,
+                    partition,
                     mesh,
                     fields,
                     start_time=state.clock.time,
@@ -130,13 +132,12 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
     # Box 4, step 3: heat on the updated configuration.
     with watch.phase("heat"):
         moved = replace(mesh, points=mesh.points + motion.displacement)
-        distributed.move(moved.points)
         power = _plastic_power(motion, plastic, step)
         try:
             heating = solve_heat(
                 problem,
                 kernels.heat,
-                distributed,
+                partition,
                 moved,
                 fields.temperature,
                 motion.volume_ratio,

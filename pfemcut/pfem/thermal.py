@@ -11,8 +11,8 @@ from scipy.sparse import csr_matrix
 from meshing.mesh import Mesh, signed_areas
 from pfemcut.contact.heat import HeatExchange, exchange_matrix
 from pfemcut.contact.node_to_segment import SurfaceContact
-from pfemcut.fem.distribution import DistributedMesh
 from pfemcut.fem.heat_system import HeatKernels, solve_temperature_increment
+from pfemcut.fem.partition import Partition
 from pfemcut.pfem.bodies import over_cells
 from pfemcut.pfem.body_contact import heat_exchange
 from pfemcut.pfem.kinematics import element_mean, lumped, tributary_lengths
@@ -65,7 +65,7 @@ def heat_capacity(problem: Problem, mesh: Mesh, temperature: Array, volume_ratio
 def solve_heat(
     problem: Problem,
     kernels: HeatKernels,
-    distributed: DistributedMesh,
+    partition: Partition,
     mesh: Mesh,
     temperature: Array,
     volume_ratio: Array,
@@ -135,7 +135,8 @@ def solve_heat(
     drawn[interface.particles] = interface.taken(temperature)
     increment = solve_temperature_increment(
         kernels,
-        distributed,
+        partition,
+        mesh.points,
         temperature,
         capacity,
         lumped_capacity,

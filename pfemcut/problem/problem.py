@@ -10,6 +10,7 @@ from meshing.mesh import Mesh
 from meshing.sizes import SizeField
 from pfemcut.contact.conductance import Conductance
 from pfemcut.contact.friction import FrictionLaw
+from pfemcut.contact.friction_laws.coulomb import Coulomb
 from pfemcut.materials.material import Material
 from pfemcut.problem.conditions import (
     Convection,
@@ -154,6 +155,11 @@ class ContactLaw:
     reference_speed: float
     heat_partition: float
     conductance: Conductance = Conductance(0.0)
+
+    @property
+    def frictionless(self) -> bool:
+        """Whether there is never any shear traction."""
+        return isinstance(self.friction, Coulomb) and self.friction.coefficient == 0.0
 
 
 class ContactIntegration(Enum):
