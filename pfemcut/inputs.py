@@ -92,6 +92,9 @@ def _lines(item: dict[str, Any], model: type[BaseModel], section: str) -> list[s
         place = ".".join(key for key in (section, *map(str, path)) if key)
         return [f"[{place}] {message}" if place else message for message in messages]
     note = f": {description}" if description else ""
+    if kind == "union_tag_not_found" and context["discriminator"].startswith("'"):
+        key = context["discriminator"].strip("'")
+        return [f"{_label(section, [*path, key])}: missing and has no default"]
     if kind in ("missing", "union_tag_not_found"):
         return [f"{label}: missing and has no default{note}"]
     if kind == "union_tag_invalid":

@@ -78,7 +78,22 @@ def _sections(model: type[BaseModel], level: int, name: str = "") -> list[str]:
             f"{(table.__doc__ or '').strip()}{needed}\n",
             *_sections(table, level + 1, path),
         ]
+    for key, field in own.items():
+        for table in _alternatives(field):
+            path = f"{name}.{key}" if name else key
+            law = [repr(_choices(f.annotation)[0]) for k, f in table.model_fields.items() if k == "law"]
+            tag = "".join(f", law = {each}" for each in law).replace("'", '"')
+            parts += [
+                f"\n{'#' * level} [{path}]{tag}\n",
+                f"{_first_lines(table)} In the place of a number.\n",
+                *_sections(table, level + 1, path),
+            ]
     return parts
+
+
+def _first_lines(model: type[BaseModel]) -> str:
+    """The first paragraph of a model's documentation."""
+    return " ".join((model.__doc__ or "").split("\n\n")[0].split())
 
 
 def _table(fields: dict[str, FieldInfo]) -> str:
@@ -124,6 +139,14 @@ def _allowed(field: FieldInfo) -> str:
     return ", ".join([_kind(field.annotation), *limits])
 
 
+def _alternatives(field: FieldInfo) -> list[type[BaseModel]]:
+    """The models of the tables that may stand in the place of a number and have keys of their own."""
+    kinds = _inner(field.annotation)
+    models = [each for each in kinds if isinstance(each, type) and issubclass(each, BaseModel)]
+    written = [_kind(each) for each in models]
+    return [model for model, kind in zip(models, written, strict=True) if float in kinds and kind == "table"]
+
+
 def _choices(annotation: Any) -> tuple[Any, ...]:
     if get_origin(annotation) is Literal:
         return get_args(annotation)
@@ -139,8 +162,16 @@ def _kind(annotation: Any) -> str:
         return " or ".join(dict.fromkeys(kinds))
     if get_origin(annotation) is Annotated:
         return _kind(get_args(annotation)[0])
-    # A table of instants and values is the only model beside numbers.
-    return names.get(get_origin(annotation) or annotation, "table `{ time = […], value = […] }`")
+    kind = get_origin(annotation) or annotation
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        # A piecewise linear function; larger tables have a section of their own.
+        lists = [
+            f"{key} = […]"
+            for key, field in kind.model_fields.items()
+            if get_origin(field.annotation) is tuple
+        ]
+        return f"table `{{ {', '.join(lists)} }}`" if len(lists) == len(kind.model_fields) else "table"
+    return names[kind]
 
 
 def _default(field: FieldInfo) -> str:

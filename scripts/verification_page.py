@@ -36,7 +36,7 @@ GROUPS = {
         "necking",
     ),
     "Contact and friction": ("contact_patch", "hertz", "wedge_indentation", "sliding_block"),
-    "Heat": ("heat_flux_half_space", "moving_line_source", "moving_band_source"),
+    "Heat": ("heat_flux_half_space", "moving_line_source", "moving_band_source", "two_body_conduction"),
     "Remeshing": ("transfer",),
 }
 HEAD = "| Figure | Computed | Reference | Difference |\n|---|---|---|---|"

@@ -141,6 +141,22 @@ def test_a_material_file_is_sought_beside_the_case(tmp_path: Path, case_file: Pa
             "contact.heat_partition=1.2",
             "[contact] heat_partition: given 1.2, must be less than or equal to 1",
         ),
+        (
+            'contact.friction={law="coulom", coefficient=0.2}',
+            "[contact.friction] law: unknown 'coulom'; did you mean 'coulomb'?",
+        ),
+        (
+            'contact.friction={law="coulomb", coefficient=0.2, exponnt=1.0}',
+            "[contact.friction] exponnt: unknown key; allowed: 'law', 'coefficient'",
+        ),
+        ("contact.friction={coefficient=0.2}", "[contact.friction] law: missing"),
+        ("contact.friction=3.0", "[contact] friction: given 3.0, must be less than or equal to 2"),
+        (
+            'contact.friction={law="sticking-sliding", coefficient=0.2}',
+            "[contact.friction] needs shear_factor, shear_limit or both",
+        ),
+        ("contact.conductance={value=1.0}", "[contact.conductance] reference_pressure: missing"),
+        ("tool.conduction={conductivity=1.0, capacity=1e9}", "[tool.conduction] density: missing"),
         ("output.every=0", "[output] every: given 0, must be greater than or equal to 1"),
         ("output.every=2.5", "[output] every: given 2.5, must be a whole number"),
         ("mesh.remesh=1", "[mesh] remesh: given 1, must be true or false"),
@@ -210,6 +226,23 @@ def test_resolved_inputs_alone_give_the_same_case_again(tmp_path: Path, case_fil
     assert same_material == material
     assert cutting_problem(again, same_material) == cutting_problem(case, material)
     assert resolved_toml(again, same_material) == text
+
+
+@pytest.mark.parametrize(
+    "friction",
+    [
+        '{law="sticking-sliding", coefficient=0.4, shear_limit=576.0}',
+        '{law="table", coefficient={at=[300.0, 900.0], value=[0.4, 0.2]}}',
+        '{law="usui", coefficient=0.4}',
+    ],
+)
+def test_resolved_inputs_keep_friction_and_heat(tmp_path: Path, case_file: Path, friction: str) -> None:
+    overrides = [f"contact.friction={friction}", "contact.conductance={value=1.0, reference_pressure=100.0}"]
+    overrides.append("tool.conduction={conductivity=100.0, capacity=0.2e9, density=14.85e-9}")
+    case, material = load_case(case_file, overrides)
+    path = tmp_path / "inputs.resolved.toml"
+    path.write_text(resolved_toml(case, material), encoding="utf-8")
+    assert cutting_problem(*load_case(path)) == cutting_problem(case, material)
 
 
 def test_the_problem_has_the_case_s_geometry_and_controls(case_file: Path) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -57,12 +56,17 @@ speeds = st.one_of(st.floats(-5.0, 5.0), st.floats(-5000.0, 5000.0))
 
 
 def shear(
-    law: LawModel, pressure: Any, speed: Any, temperature: float = 600.0, stress: float = 800.0
+    law: LawModel,
+    pressure: Any,
+    speed: Any,
+    temperature: float = 600.0,
+    stress: float = 800.0,
+    last: float | None = None,
 ) -> Shear:
-    p, v, t, s = np.broadcast_arrays(
-        *(np.atleast_1d(np.asarray(x, float)) for x in (pressure, speed, temperature, stress))
-    )
-    return law.shear(Interface(p, v, t, s), V_REF)
+    """Of a contact that slipped as fast in the last step, unless ``last`` says otherwise."""
+    given = (pressure, speed, speed if last is None else last, temperature, stress)
+    p, v, before, t, s = np.broadcast_arrays(*(np.atleast_1d(np.asarray(x, float)) for x in given))
+    return law.shear(Interface(p, v, before, t, s), V_REF)
 
 
 def value(
@@ -89,11 +93,11 @@ def test_derivatives_match_central_differences(
     law: LawModel, pressure: float, speed: float, temperature: float
 ) -> None:
     """To 1e-5 of the traction per pressure and per V_ref, wherever both sides of a kink agree."""
-    exact = shear(law, pressure, speed, temperature)
+    exact = shear(law, pressure, speed, temperature, last=speed)
     for name, h, unit in (("by_pressure", 1e-3, pressure), ("by_speed", 1e-5, V_REF)):
         step = np.array([-h, h]) if name == "by_pressure" else np.zeros(2)
         slide = np.array([-h, h]) if name == "by_speed" else np.zeros(2)
-        around = shear(law, pressure + step, speed + slide, temperature)
+        around = shear(law, pressure + step, speed + slide, temperature, last=speed)
         slopes = getattr(around, name)
         if not np.isclose(*slopes, rtol=1e-2, atol=1e-9):
             continue  # a kink in between: one-sided derivatives differ, as they should
@@ -130,9 +134,10 @@ def test_traction_grows_with_pressure(
     ) * (1.0 - 1e-14)
 
 
-@given(law=st.sampled_from([COULOMB, STICKING, USUI, CHILDS, SHEAR, VISCOUS, NORTON_HOFF]), speed=speeds)
-def test_traction_grows_with_speed(law: LawModel, speed: float) -> None:
-    assert np.all(shear(law, 900.0, speed).by_speed >= 0.0)
+@given(law=laws, speed=speeds, last=speeds)
+def test_traction_grows_with_speed_within_a_step(law: LawModel, speed: float, last: float) -> None:
+    """Also where the coefficient falls with the speed, so that a load has one slip speed."""
+    assert np.all(shear(law, 900.0, speed, last=last).by_speed >= 0.0)
 
 
 def test_coulomb_is_equation_26() -> None:
@@ -148,8 +153,10 @@ def test_sticking_and_sliding() -> None:
     assert shear(STICKING, 780.0, 100.0).by_pressure == 0.0
     limited = STICKING.model_copy(update={"shear_limit": 200.0})
     assert value(limited, 780.0, 100.0) == pytest.approx(200.0)
-    only = StickingSliding(law="sticking-sliding", coefficient=0.5, shear_factor=None, shear_limit=576.0)
+    only = StickingSliding(law="sticking-sliding", coefficient=0.5, shear_limit=576.0)
     assert value(only, 3000.0, 100.0, stress=100.0) == pytest.approx(576.0)
+    with pytest.raises(ValidationError, match="needs shear_factor, shear_limit or both"):
+        StickingSliding(law="sticking-sliding", coefficient=0.5)
 
 
 def test_usui_slides_at_low_and_sticks_at_high_pressure() -> None:
@@ -177,7 +184,9 @@ def test_power_law_and_its_bounds() -> None:
     expected = 0.3 * 2.0**-0.2 * 0.5**-0.3 * (600.0 / 293.15) ** -0.5 * 500.0
     assert value(POWER, 500.0, 2000.0) == pytest.approx(expected, rel=1e-12)
     assert value(POWER, 0.1, 2000.0) == pytest.approx(0.9 * 0.1, rel=1e-12)
-    assert value(POWER, 3000.0, 2000.0) == pytest.approx(K if K < 0.2 * 3000.0 else 0.0, rel=0.2)
+    unlimited = 0.3 * 2.0**-0.2 * 5.0**-0.3 * (600.0 / 293.15) ** -0.5 * 5000.0
+    assert unlimited > K / 2
+    assert value(POWER, 5000.0, 2000.0, stress=400.0) == pytest.approx(K / 2)
     with pytest.raises(ValidationError, match="must not exceed largest"):
         PowerLaw(law="power", coefficient=0.3, least=0.5, largest=0.4)
 
@@ -198,8 +207,3 @@ def test_conductance_follows_the_pressure() -> None:
     pressure: Array = np.array([0.0, 50.0, 100.0, 200.0])
     assert Conductance(5.0)(pressure) == pytest.approx([0.0, 5.0, 5.0, 5.0])
     assert Conductance(5.0, 100.0, 0.95)(pressure) == pytest.approx([0.0, 5 * 0.5**0.95, 5.0, 5 * 2**0.95])
-
-
-def test_law_of_the_documentation_is_a_small_file() -> None:
-    folder = Path(__file__).parent.parent / "pfemcut" / "contact" / "friction_laws"
-    assert all(len(path.read_text().splitlines()) <= 100 for path in folder.glob("*.py"))

@@ -165,7 +165,15 @@ def forces_on(
     """Forces on particles of 600 K that yield at 800 MPa."""
     count = len(positions)
     return contact_forces(
-        tool, law(friction), positions, slip, lengths, STEP, np.full(count, 600.0), np.full(count, 800.0)
+        tool,
+        law(friction),
+        positions,
+        slip,
+        lengths,
+        STEP,
+        np.full(count, 900.0),
+        np.full(count, 600.0),
+        np.full(count, 800.0),
     )
 
 

@@ -6,6 +6,7 @@ import pytest
 
 from tests.verification.sliding_block.reference import creep_speed
 from tests.verification.sliding_block.verify import (
+    LAWS,
     LENGTH,
     LIMIT,
     MASS,
@@ -14,8 +15,11 @@ from tests.verification.sliding_block.verify import (
     STOP,
     V_REF,
     dragged,
+    dragged_by_law,
     free,
     sliding,
+    sliding_by_law,
+    tractions,
 )
 
 
@@ -37,6 +41,22 @@ def test_sticks_but_for_the_regularisation(ratio: float) -> None:
     speed = (history["block_ux"][-1] - history["block_ux"][-2]) / history["dt"][-1]
     assert history["cutting_force"][-1] == pytest.approx(ratio * LIMIT, rel=1e-3)
     assert speed == pytest.approx(creep_speed(ratio, V_REF), rel=5e-3)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_slides_by_each_law(law: str) -> None:
+    """Force by the law's formula, to 0.5 %: the moment of friction still tilts the pressure a little."""
+    history = sliding_by_law(law).history
+    assert history["thrust_force"][-1] == pytest.approx(PRESSURE * LENGTH, rel=1e-6)
+    assert history["cutting_force"][-1] == pytest.approx(tractions()[law] * LENGTH, rel=5e-3)
+
+
+def test_sticks_below_the_shear_limit() -> None:
+    law = "sticking-sliding, m k"
+    history = dragged_by_law(law, 0.9).history
+    speed = (history["block_ux"][-1] - history["block_ux"][-2]) / history["dt"][-1]
+    assert history["cutting_force"][-1] == pytest.approx(0.9 * tractions()[law] * LENGTH, rel=1e-3)
+    assert speed == pytest.approx(creep_speed(0.9, V_REF), rel=5e-3)
 
 
 def test_kinetic_energy_becomes_heat() -> None:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from synthetic_cut import filled_frame, outline_frame
 
-from pfemcut.method import Frame
+from pfemcut.method import Block, Frame
 from pfemcut.output.vtu import FieldsError, FieldWriter, boundary_loops, read_last_frame
 
 
@@ -46,6 +46,19 @@ def test_a_frame_comes_back_bit_for_bit(tmp_path: Path, frame: Frame) -> None:
     assert np.array_equal(back.contact.particles, frame.contact.particles[order])
     assert np.array_equal(back.contact.pressure, frame.contact.pressure[order])
     assert np.allclose(back.contact.arc_length, frame.contact.arc_length[order], atol=1e-15)
+
+
+def test_a_tool_with_a_mesh_comes_back_with_its_fields(tmp_path: Path, frame: Frame) -> None:
+    points = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]])
+    cells = np.array([[0, 1, 2], [1, 3, 2]])
+    warm = np.array([300.0, 400.0, 500.0, 600.0])
+    FieldWriter(tmp_path).write(replace(frame, tool_blocks=(Block(points, cells, {"temperature": warm}),)))
+    back = read_last_frame(tmp_path)
+    assert (back.tool, back.travel) == (frame.tool, frame.travel)
+    (block,) = back.tool_blocks
+    assert np.array_equal(block.points, points)
+    assert np.array_equal(block.cells, cells)
+    assert np.array_equal(block.point_fields["temperature"], warm)
 
 
 def test_boundary_loops_keep_the_body_on_the_left() -> None:

@@ -53,12 +53,11 @@ def figures(case: AnyCase, material: Material, base_directory: Path) -> list[tup
 
 
 def _friction(contact: Contact) -> str:
-    given = contact.friction
-    return (
-        f"{given:g}"
-        if isinstance(given, float)
-        else ", ".join(f"{key} {value}" for key, value in given.model_dump(exclude_unset=True).items())
-    )
+    if isinstance(contact.friction, float):
+        return f"{contact.friction:g}"
+    table = contact.friction.model_dump(exclude_defaults=True)
+    law = table.pop("law", "coulomb")
+    return ", ".join([law, *(f"{key} {value}" for key, value in table.items())])
 
 
 def _general_figures(case: GeneralCase, material: Material, base_directory: Path) -> list[tuple[str, str]]:

@@ -106,7 +106,10 @@ def general_problem(case: GeneralCase, material: Material, base_directory: Path)
             for side in sides
             if side.convection
         ),
-        probes=tuple(Probe(each.name, each.point) for each in case.probe),
+        probes=tuple(
+            Probe(each.name, each.point, [body.name for body in case.body].index(each.body or body.name))
+            for each in case.probe
+        ),
     )
 
 

@@ -240,6 +240,7 @@ class ProbeTable(Section):
 
     name: str = Field(pattern=r"^[A-Za-z]\w*$", description="Name of the columns in history.csv")
     point: Point = Field(description="Position at time zero (mm)")
+    body: str = Field(default="", description="Name of the body whose particle it is; the first unless given")
 
 
 class GeneralCase(Section):
@@ -272,6 +273,12 @@ class GeneralCase(Section):
         names = [each.name for each in self.probe]
         if len(set(names)) < len(names):
             raise ValueError("[[probe]] name: must differ from each other")
+        bodies = [body.name for body in self.body]
+        if len(set(bodies)) < len(bodies):
+            raise ValueError("[[body]] name: must differ from each other")
+        for each in self.probe:
+            if each.body and each.body not in bodies:
+                raise ValueError(f"[[probe]] body: unknown '{each.body}'")
         pairs = self.contact if isinstance(self.contact, tuple) else ()
         if pairs and self.tool is not None:
             raise ValueError("[[contact]] between bodies and a rigid [tool] exclude each other")

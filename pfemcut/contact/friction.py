@@ -21,14 +21,16 @@ class Interface:
         Normal traction, positive in compression (MPa).
     slip_speed
         Signed tangential speed relative to the other body (mm/s).
-    temperature
-        Of the workpiece's surface (K), last known.
-    flow_stress
-        Of the workpiece's surface (MPa), last known.
+    last_slip_speed
+        Magnitude of the relative velocity in the last step (mm/s). A coefficient of friction that depends on speed
+        takes it from here: a falling one would give several slip speeds to one load, and Newton's method fails.
+    temperature, flow_stress
+        Of the workpiece's surface (K, MPa), last known.
     """
 
     pressure: Array
     slip_speed: Array
+    last_slip_speed: Array
     temperature: Array
     flow_stress: Array
 
@@ -37,8 +39,8 @@ class Interface:
 class Shear:
     """Shear traction (MPa, of the sign of the slip speed, which it opposes) and its derivatives; shape (k,).
 
-    ``by_pressure`` is dimensionless, ``by_speed`` in MPa s/mm. Temperature and flow stress are those of the start of
-    the step, so that Newton's method needs no derivatives by them.
+    ``by_pressure`` is dimensionless, ``by_speed`` in MPa s/mm and never negative. What is last known does not change
+    in a step, so that Newton's method needs no derivatives by it.
     """
 
     value: Array

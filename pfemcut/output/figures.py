@@ -22,7 +22,7 @@ from numpy.typing import NDArray  # noqa: E402
 
 from pfemcut.method import Frame  # noqa: E402
 from pfemcut.results.derived.chip_section import to_rake_frame  # noqa: E402
-from pfemcut.results.derived.profiles import tool_profile  # noqa: E402
+from pfemcut.results.derived.profiles import tool_profile, tool_surface_temperature  # noqa: E402
 from pfemcut.results.derived.steady_window import SteadyWindow  # noqa: E402
 
 Array = NDArray[np.float64]
@@ -248,6 +248,11 @@ def draw_profiles(frame: Frame) -> Figure:
     )
     right = axes.twinx()
     right.plot(profile.arc_length, profile.temperature, ".-", color="tab:red", label="temperature")
+    arc, warmth = tool_surface_temperature(frame)
+    if arc.size and profile.arc_length.size:
+        span = np.ptp(profile.arc_length)
+        near = (arc > profile.arc_length.min() - 0.5 * span) & (arc < profile.arc_length.max() + 0.5 * span)
+        right.plot(arc[near], warmth[near], "-", color="tab:orange", label="temperature of the tool")
     right.set_ylabel("temperature (K)")
     lines = [*axes.get_lines()[:2], *right.get_lines()]
     axes.legend(lines, [str(line.get_label()) for line in lines], fontsize="small")

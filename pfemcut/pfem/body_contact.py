@@ -144,20 +144,27 @@ def interface_contact(
     positions: Array,
     displacement: Array,
     step: float,
+    velocity: Array,
     temperature: Array,
     flow_stress: Array,
 ) -> SurfaceContact:
     """Contact of a pair with the particles at ``positions`` (n, 2), reached by ``displacement`` in ``step`` (s).
 
-    ``temperature`` and ``flow_stress`` (n,) are those of the start of the step, which friction may depend on.
+    ``velocity`` (n, 2), ``temperature`` and ``flow_stress`` (n,) are those of the start of the step, which friction may
+    depend on.
     """
     law, points = interface.pair.law, interface.points
+    # All candidates of a point move nearly alike.
+    master = interface.arcs.nodes[points.candidates[:, points.candidates.shape[1] // 2], 1]
+    apart = np.einsum("kb,kbi->ki", points.shares, velocity[points.particles]) - velocity[master]
+    last_slip_speed = np.hypot(*apart.T)
 
     def friction(pressure: Array, slip_speed: Array, touching: IntArray) -> tuple[Array, Array, Array]:
         slave, share = points.particles[touching], points.shares[touching]
         state = Interface(
             pressure,
             slip_speed,
+            last_slip_speed[touching],
             np.sum(share * temperature[slave], axis=1),
             np.sum(share * flow_stress[slave], axis=1),
         )

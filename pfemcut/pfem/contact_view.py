@@ -33,6 +33,7 @@ def contact_view(problem: Problem, state: State) -> ContactView:
                 mesh.points,
                 fields.last_displacement,
                 step,
+                fields.last_displacement / step,
                 fields.temperature,
                 flow_stress,
             ),
@@ -54,13 +55,15 @@ def _on_rigid_tool(problem: Problem, state: State, tool: MovingTool, flow_stress
     particles = np.unique(mesh.boundary.particles)
     shape = tool.at(clock.time)
     lengths = facing_lengths(shape, mesh.points, mesh.boundary.edges)[particles]
+    slip = state.fields.last_displacement[particles] - clock.last_dt * np.asarray(tool.velocity)
     found: ContactForces = contact_forces(
         shape,
         problem.contact,
         mesh.points[particles],
-        state.fields.last_displacement[particles] - clock.last_dt * np.asarray(tool.velocity),
+        slip,
         lengths,
         clock.last_dt,
+        np.hypot(*slip.T) / clock.last_dt,
         state.fields.temperature[particles],
         flow_stress[particles],
     )

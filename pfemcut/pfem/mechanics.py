@@ -221,6 +221,7 @@ def solve_motion(
                     displacement - step * np.asarray(tool.velocity),
                     lengths,
                     step,
+                    np.hypot(*(velocity[candidates] - np.asarray(tool.velocity)).T),
                     fields.temperature[candidates],
                     flow_stress,
                 ),
@@ -232,7 +233,9 @@ def solve_motion(
         displacement = unknown[:, :2]
         positions = mesh.points + displacement
         return tuple(
-            interface_contact(each, positions, displacement, step, fields.temperature, nodal_flow_stress)
+            interface_contact(
+                each, positions, displacement, step, velocity, fields.temperature, nodal_flow_stress
+            )
             for each in interfaces
         )
 

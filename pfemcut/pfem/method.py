@@ -27,7 +27,7 @@ from pfemcut.pfem.state import (
     to_arrays,
 )
 from pfemcut.pfem.step import PHASES, Kernels, StepRecord, advance
-from pfemcut.problem import Body, Problem
+from pfemcut.problem import Body, Probe, Problem
 from pfemcut.ranks import Ranks
 from pfemcut.timing import Stopwatch
 from pfemcut.tools.heat_block import HeatBlock, block_mesh
@@ -72,7 +72,7 @@ class PfemMethod:
                 initial_kinetic_energy=energies.kinetic_energy(problem, mesh, fields, first),
                 last_tool_force=np.zeros(2),
                 last_reactions=np.zeros((len(problem.motions), 3)),
-                probes=_nearest_particles(mesh, [probe.point for probe in problem.probes]),
+                probes=_nearest_particles(mesh, problem.probes),
                 tool_temperature=np.concatenate(
                     [np.zeros(0)]
                     + [
@@ -277,7 +277,11 @@ def _initial_fields(body: Body, mesh: Mesh, first_step: float) -> Fields:
     return initial_fields(mesh, body.temperature, strain, (vx * first_step, vy * first_step))
 
 
-def _nearest_particles(mesh: Mesh, points: list[tuple[float, float]]) -> NDArray[np.int64]:
-    """Identities of the particles nearest to ``points``."""
-    nearest = [int(np.argmin(np.hypot(*(mesh.points - np.asarray(point)).T))) for point in points]
+def _nearest_particles(mesh: Mesh, probes: tuple[Probe, ...]) -> NDArray[np.int64]:
+    """Identities of the particles nearest to the points of ``probes``, each in its body."""
+    nearest = []
+    for probe in probes:
+        within = mesh.particle_ranges[probe.body]
+        away = np.hypot(*(mesh.points[within] - np.asarray(probe.point)).T)
+        nearest.append(within.start + int(np.argmin(away)))
     return mesh.ids[np.asarray(nearest, dtype=np.int64)]

@@ -69,10 +69,14 @@ class Body:
 
 @dataclass(frozen=True)
 class Probe:
-    """A particle whose displacement and temperature the history follows: the one nearest ``point`` at the start."""
+    """A particle whose displacement and temperature the history follows: the one nearest ``point`` at the start.
+
+    ``body`` is the number of the body whose particle it is.
+    """
 
     name: str
     point: tuple[float, float]
+    body: int = 0
 
 
 @dataclass(frozen=True)

@@ -14,11 +14,10 @@ _ROOT_3 = np.sqrt(3.0)
 
 @dataclass(frozen=True)
 class Strength:
-    """Largest shear traction (MPa), not negative, with its derivatives by pressure and by |slip speed|; (k,)."""
+    """Largest shear traction (MPa), not negative, with its derivative by pressure; (k,)."""
 
     value: Array
     by_pressure: Array
-    by_speed: Array
 
 
 class LawModel(BaseModel):
@@ -41,8 +40,7 @@ class LawModel(BaseModel):
         return Shear(
             value=strength.value * ratio,
             by_pressure=strength.by_pressure * ratio,
-            # d|v|/dv has the sign of the ratio.
-            by_speed=strength.by_speed * np.abs(ratio) + strength.value * (1.0 - ratio**2) / reference_speed,
+            by_speed=strength.value * (1.0 - ratio**2) / reference_speed,
         )
 
 
@@ -65,7 +63,7 @@ class LimitedLaw(LawModel):
     )
 
     def limited(self, sliding: Strength, flow_stress: Array) -> Strength:
-        """The smaller of ``sliding`` and the limits; the derivatives vanish where a limit acts."""
+        """The smaller of ``sliding`` and the limits; the derivative vanishes where a limit acts."""
         limit = np.full_like(flow_stress, np.inf)
         if self.shear_factor is not None:
             limit = self.shear_factor * shear_yield_stress(flow_stress)
@@ -75,5 +73,4 @@ class LimitedLaw(LawModel):
         return Strength(
             np.where(slides, sliding.value, limit),
             np.where(slides, sliding.by_pressure, 0.0),
-            np.where(slides, sliding.by_speed, 0.0),
         )

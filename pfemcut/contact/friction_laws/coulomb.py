@@ -12,7 +12,7 @@ from pfemcut.contact.friction_laws.base import LawModel, Strength
 
 
 class Coulomb(LawModel):
-    r"""Coulomb friction, :math:`\tau = \mu P_N \tanh(v / V_{ref})` (paper, eq. 26)."""
+    """Coulomb friction, tau = mu P_N tanh(v / V_ref) (paper, eq. 26)."""
 
     law: Literal["coulomb"] = Field(default="coulomb", description="Name of the law")
     coefficient: float = Field(ge=0, le=2, description="Coulomb coefficient mu (dimensionless)")
@@ -20,6 +20,4 @@ class Coulomb(LawModel):
     def strength(self, interface: Interface) -> Strength:
         """mu P_N."""
         pressure = interface.pressure
-        return Strength(
-            self.coefficient * pressure, np.full_like(pressure, self.coefficient), np.zeros_like(pressure)
-        )
+        return Strength(self.coefficient * pressure, np.full_like(pressure, self.coefficient))

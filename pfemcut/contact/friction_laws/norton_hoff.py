@@ -12,7 +12,7 @@ from pfemcut.contact.friction_laws.base import LawModel, shear_yield_stress
 
 
 class NortonHoff(LawModel):
-    r"""Viscous friction, :math:`\tau = a k |v|^{q-1} v`, wherever there is contact, whatever the pressure.
+    r"""Viscous friction, tau = a k |v|^(q-1) v, wherever there is contact, whatever the pressure.
 
     1. :math:`k = \sigma_y / \sqrt 3` of the workpiece's surface is the consistency; a has the unit (s/mm)^q.
     2. Regularised for q < 1: :math:`|v|` becomes :math:`(v^2 + V_{ref}^2)^{1/2}`; q = 1 needs none.

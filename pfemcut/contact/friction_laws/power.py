@@ -12,12 +12,13 @@ from pfemcut.contact.friction_laws.base import LimitedLaw, Strength
 
 
 class PowerLaw(LimitedLaw):
-    r"""Coulomb friction with :math:`\mu = \mu_0 (|v|/v_0)^a (P_N/P_0)^b (\theta/\theta_0)^c`, kept within limits.
+    r"""Coulomb friction with mu = mu_0 (|v|/v_0)^a (P_N/P_0)^b (theta/theta_0)^c, kept within limits.
 
     1. Exponents of zero leave a dependence out; a alone is the form fitted to pin-on-bar tests.
-    2. A sliding speed below the least one counts as that: a falling power would grow without end as the slip stops.
-    3. :math:`\mu` is kept between its least and largest value, where its derivatives vanish.
-    4. The shear traction may be limited by m k and by a constant.
+    2. The sliding speed is the last step's.
+    3. A sliding speed below the least one counts as that: a falling power would grow without end as the slip stops.
+    4. :math:`\mu` is kept between its least and largest value, where its slopes vanish.
+    5. The shear traction may be limited by m k and by a constant.
 
     Sources: that friction falls with the sliding speed, J. Rech, C. Claudin, E. D'Eramo, Identification of a friction
     model, Tribology International 42, 2009, 738-744; in pressure, speed and temperature, J. Brocail, M. Watremez,
@@ -49,8 +50,7 @@ class PowerLaw(LimitedLaw):
 
     def strength(self, interface: Interface) -> Strength:
         """mu P_N, limited."""
-        slip = np.abs(interface.slip_speed)
-        speed = np.maximum(slip, self.least_speed)
+        speed = np.maximum(np.abs(interface.last_slip_speed), self.least_speed)
         # A power of zero may be infinite; the tiny value only keeps it finite, as mu has a largest value.
         pressure = np.maximum(interface.pressure, 1e-12 * self.pressure)
         power = (
@@ -65,6 +65,5 @@ class PowerLaw(LimitedLaw):
         sliding = Strength(
             mu * normal,
             mu * np.where(free, 1.0 + self.pressure_exponent, 1.0),
-            np.where(free & (slip > self.least_speed), self.speed_exponent * mu * normal / speed, 0.0),
         )
         return self.limited(sliding, interface.flow_stress)

@@ -12,7 +12,7 @@ from pfemcut.contact.friction_laws.base import LawModel, Strength, shear_yield_s
 
 
 class ShearFriction(LawModel):
-    r"""Tresca's friction, :math:`\tau = m k \tanh(v / V_{ref})` wherever there is contact, whatever the pressure."""
+    """Tresca's friction, tau = m k tanh(v / V_ref) wherever there is contact, whatever the pressure."""
 
     law: Literal["shear"] = Field(description="Name of the law")
     shear_factor: float = Field(
@@ -23,4 +23,4 @@ class ShearFriction(LawModel):
         """m k."""
         touching = interface.pressure > 0.0
         value = np.where(touching, self.shear_factor * shear_yield_stress(interface.flow_stress), 0.0)
-        return Strength(value, np.zeros_like(value), np.zeros_like(value))
+        return Strength(value, np.zeros_like(value))

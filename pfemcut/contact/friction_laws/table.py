@@ -44,11 +44,12 @@ _ONE = Points(at=(0.0,), value=(1.0,))
 
 
 class TableLaw(LimitedLaw):
-    r"""Coulomb friction with :math:`\mu = \mu(|v|)\, f(P_N)\, g(\theta)` from measured tables.
+    r"""Coulomb friction with mu = mu(|v|) f(P_N) g(theta) from measured tables.
 
     1. Each table is linear between its points and constant beyond its ends.
-    2. The factors of pressure and temperature are 1 unless given.
-    3. The shear traction may be limited by m k and by a constant.
+    2. The sliding speed is the last step's.
+    3. The factors of pressure and temperature are 1 unless given.
+    4. The shear traction may be limited by m k and by a constant.
     """
 
     law: Literal["table"] = Field(description="Name of the law")
@@ -63,12 +64,11 @@ class TableLaw(LimitedLaw):
     def strength(self, interface: Interface) -> Strength:
         """mu P_N, limited."""
         pressure = interface.pressure
-        mu, by_speed = self.coefficient(np.abs(interface.slip_speed))
+        mu, _ = self.coefficient(np.abs(interface.last_slip_speed))
         f, by_pressure = self.pressure_factor(pressure)
         g, _ = self.temperature_factor(interface.temperature)
         sliding = Strength(
             mu * f * g * pressure,
             mu * g * (f + by_pressure * pressure),
-            by_speed * f * g * pressure,
         )
         return self.limited(sliding, interface.flow_stress)

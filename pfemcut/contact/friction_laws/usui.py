@@ -12,7 +12,7 @@ from pfemcut.contact.friction_laws.base import LawModel, Strength, shear_yield_s
 
 
 class Usui(LawModel):
-    r"""Smooth sticking and sliding, :math:`\tau = m k [1 - \exp(-(\mu P_N / m k)^n)]^{1/n}`.
+    r"""Smooth sticking and sliding, tau = m k [1 - exp(-(mu P_N / m k)^n)]^(1/n).
 
     1. m = n = 1 is the law of Usui and Shirakashi, :math:`\tau = k (1 - \exp(-\mu P_N / k))`.
     2. A low pressure gives :math:`\mu P_N`, a high one :math:`m k`; the larger n, the sharper the passage.
@@ -46,4 +46,4 @@ class Usui(LawModel):
         # d/dx (1 - exp(-x^n))^(1/n) = (x^n / (1 - exp(-x^n)))^((n - 1) / n) exp(-x^n), which is 1 at x = 0.
         quotient = np.where(power > 0.0, power / np.where(power > 0.0, sticking, 1.0), 1.0)
         slope = quotient ** ((n - 1.0) / n) * np.exp(-power)
-        return Strength(limit * sticking ** (1.0 / n), self.coefficient * slope, np.zeros_like(x))
+        return Strength(limit * sticking ** (1.0 / n), self.coefficient * slope)

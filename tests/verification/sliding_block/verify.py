@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from .reference import coasting_speed, creep_speed
 FOLDER = Path(__file__).parent
 
 PRESSURE, FRICTION, LENGTH, HEIGHT, SPEED, V_REF = 100.0, 0.3, 1.0, 0.2, 3330.0, 1.0
+FLOW_STRESS = 1000.0
 LIMIT = FRICTION * PRESSURE * LENGTH
 MASS = 7.844e-9 * LENGTH * HEIGHT
 # With inertia: so light a pressure that the block stops in many transits of sound, and comes on slowly enough.
@@ -32,16 +34,77 @@ def sliding(size: float = 0.1, remesh: bool = True) -> Run:
 def dragged(ratio: float, step: float = 1e-3, steps: int = 10, size: float = 0.1) -> Run:
     """Quasi-static, dragged by ``ratio`` of the friction limit."""
 
-    def change(table: Table) -> None:
-        pull = {"time": [step, 2.0 * step], "value": [0.0, ratio * LIMIT / LENGTH]}
-        table["boundary"][0] = {"part": "bottom", "pressure": PRESSURE, "traction": {"x": pull}}
-        # Without inertia nothing but friction holds the block, so that there must be contact from the start.
-        table["tool"]["centre"] = [-0.5, 0.3 - 1e-6]
-        table["mesh"].update(size=size, remesh=False)
-        table["time"].update(step=step, end=step * steps)
-        table["probe"] = [{"name": "block", "point": [0.5, 0.1]}]
+    return run(FOLDER / "case.toml", lambda table: drag(table, ratio, step, steps, size))
 
-    return run(FOLDER / "case.toml", change)
+
+def drag(table: Table, ratio: float, step: float, steps: int, size: float) -> None:
+    """Make the case one of the block dragged by ``ratio`` of mu N."""
+    pull = {"time": [step, 2.0 * step], "value": [0.0, ratio * LIMIT / LENGTH]}
+    table["boundary"][0] = {"part": "bottom", "pressure": PRESSURE, "traction": {"x": pull}}
+    # Without inertia nothing but friction holds the block, so that there must be contact from the start.
+    table["tool"]["centre"] = [-0.5, 0.3 - 1e-6]
+    table["mesh"].update(size=size, remesh=False)
+    table["time"].update(step=step, end=step * steps)
+    table["probe"] = [{"name": "block", "point": [0.5, 0.15]}]
+
+
+LAWS: Mapping[str, Mapping[str, Any]] = {
+    "sticking-sliding, constant limit": {"law": "sticking-sliding", "coefficient": 1.0, "shear_limit": 20.0},
+    "sticking-sliding, m k": {"law": "sticking-sliding", "coefficient": 1.0, "shear_factor": 0.04},
+    "shear": {"law": "shear", "shear_factor": 0.05},
+    "usui": {"law": "usui", "coefficient": 0.4, "shear_factor": 0.1},
+    "norton-hoff": {"law": "norton-hoff", "coefficient": 1.5e-5},
+    "power": {"law": "power", "coefficient": 0.3, "speed_exponent": -0.2, "temperature_exponent": -0.5},
+    "table": {"law": "table", "coefficient": {"at": [1000.0, 5000.0], "value": [0.3, 0.2]}},
+}
+
+
+def tractions() -> dict[str, float]:
+    """Shear traction (MPa) of each law at the block's pressure, flow stress and speed, and at room temperature."""
+    k = FLOW_STRESS / np.sqrt(3.0)
+    return {
+        "sticking-sliding, constant limit": 20.0,
+        "sticking-sliding, m k": 0.04 * k,
+        "shear": 0.05 * k,
+        "usui": 0.1 * k * (1.0 - np.exp(-0.4 * PRESSURE / (0.1 * k))),
+        "norton-hoff": 1.5e-5 * k * SPEED,
+        "power": 0.3 * (SPEED / 1000.0) ** -0.2 * PRESSURE,
+        "table": (0.3 - 0.1 * (SPEED - 1000.0) / 4000.0) * PRESSURE,
+    }
+
+
+def by_law(change: Callable[[Table], None], law: str) -> Callable[[Table], None]:
+    """``change``, and a thin block that may yield, with one of the ``LAWS``.
+
+    Thin, because the moment of friction tilts the pressure, on which these laws do not depend linearly.
+    """
+
+    def changed(table: Table) -> None:
+        change(table)
+        table["contact"]["friction"] = dict(LAWS[law])
+        table["body"][0]["outline"] = [[0.0, 0.15], [1.0, 0.15], [1.0, 0.2], [0.0, 0.2]]
+        hardening = {"law": "voce", "yield_stress": FLOW_STRESS, "saturation_stress": FLOW_STRESS}
+        hardening |= {"linear_hardening": 0.0, "exponent": 1.0}
+        table["body"][0]["material"]["hardening"] = hardening
+
+    return changed
+
+
+def sliding_by_law(law: str, size: float = 0.05) -> Run:
+    """At cutting speed; all heat goes to the tool, so that the block stays cold."""
+
+    def change(table: Table) -> None:
+        table["mesh"].update(size=size, remesh=False)
+        table["contact"]["heat_partition"] = 0.0
+        table["time"]["end"] = 0.3 * table["time"]["end"]
+
+    return run(FOLDER / "case.toml", by_law(change, law))
+
+
+def dragged_by_law(law: str, ratio: float, size: float = 0.05) -> Run:
+    """Dragged by ``ratio`` of the law's own limit."""
+    share = ratio * tractions()[law] / (LIMIT / LENGTH)
+    return run(FOLDER / "case.toml", by_law(lambda table: drag(table, share, 1e-3, 10, size), law))
 
 
 def free(start: float, ratio: float, steps: int, end: float, size: float = 0.1) -> Run:
@@ -127,6 +190,13 @@ def main() -> None:
     pushed = free(0.0, 1.5, 100, end).history
     reference = float(rigid_speed(np.array([end]), 0.0, 1.5)[0])
     add("driven at 1.5 mu N", "speed", 0.1, pushed["speed"][-1], reference, "mm/s")
+    for law, traction in tractions().items():
+        history = sliding_by_law(law).history
+        add(f"slides, {law}", "friction force", 0.05, history["cutting_force"][-1], traction * LENGTH, "N/mm")
+    law = "sticking-sliding, m k"
+    history = dragged_by_law(law, 0.9).history
+    speed = np.diff(history["block_ux"][-2:])[0] / history["dt"][-1]
+    add(f"sticks at 0.9 of the limit, {law}", "creep", 0.05, speed, creep_speed(0.9, V_REF), "mm/s")
     figures = {f"{row['case']}, {row['quantity']}, {row['size']}": row["difference"] for row in rows}
     write_results(FOLDER, rows, {"differences": figures})
     picture(coasts)
