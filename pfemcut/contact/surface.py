@@ -13,6 +13,7 @@ from functools import cached_property
 from typing import Protocol
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
@@ -169,38 +170,57 @@ def feet(arcs: Arcs, points: Array, queries: Array, candidates: IntArray) -> Foo
     Newton's method for r . x'(t) = 0 (eq. 21 on a curve), kept on the arc; ``points`` (n, 2) are all particles. A
     single candidate is prolonged by half its length.
     """
-    corners = points[arcs.nodes[candidates]]
-    chord = corners[..., -1, :] - corners[..., 0, :]
-    t = np.sum((queries[:, None] - corners[..., 0, :]) * chord, axis=-1)
     inner = _PROLONGED if candidates.shape[1] == 1 else 0.0
     lowest = np.where(arcs.begins_chain[candidates], -_OVERHANG, -inner)
     highest = np.where(arcs.ends_chain[candidates], 1.0 + _OVERHANG, 1.0 + inner)
-    t = np.clip(t / np.maximum(np.sum(chord**2, axis=-1), 1e-300), lowest, highest)
-    for _ in range(_ITERATIONS):
-        shape, slope, bend = arcs.at(candidates, t)
-        r = queries[:, None] - np.einsum("kwa,kwai->kwi", shape, corners)
-        tangent = np.einsum("kwa,kwai->kwi", slope, corners)
-        speed = np.sum(tangent**2, axis=-1)
-        curve = speed - np.sum(r * np.einsum("kwa,kwai->kwi", bend, corners), axis=-1)
-        before = t
-        t = np.clip(t + np.sum(r * tangent, axis=-1) / np.maximum(curve, 0.1 * speed), lowest, highest)
-        if np.abs(t - before).max(initial=0.0) < _CONVERGED:
-            break
-    shape, slope, _ = arcs.at(candidates, t)
-    r = queries[:, None] - np.einsum("kwa,kwai->kwi", shape, corners)
-    distance = np.hypot(r[..., 0], r[..., 1])
-    best = np.argmin(distance, axis=1)
-    row = np.arange(len(queries))
-    arc, t, r, distance = candidates[row, best], t[row, best], r[row, best], distance[row, best]
-    tangent = np.einsum("ka,kai->ki", slope[row, best], corners[row, best])
-    across = r[:, 0] * tangent[:, 1] - r[:, 1] * tangent[:, 0]
-    along = np.sum(r * tangent, axis=1)
-    # At the end of the run the foot is not where the surface is nearest, unless it lies there by chance.
-    at_start = (t == lowest[row, best]) & (arc == candidates[:, 0])
-    beyond = at_start | ((t == highest[row, best]) & (arc == candidates[:, -1]))
-    beyond &= np.abs(along) > 1e-9 * np.sum(tangent**2, axis=1)
-    gap = np.where(beyond, distance, across / np.hypot(*tangent.T))
-    return Foot(arc, t, gap, beyond)
+    return Foot(*_feet(arcs.nodes, arcs.basis, points, queries, candidates, lowest, highest))
+
+
+@njit(cache=True)
+def _feet(nodes, basis, points, queries, candidates, lowest, highest):  # type: ignore[no-untyped-def]
+    count, width = candidates.shape
+    arc, t = np.empty(count, dtype=np.int64), np.empty(count)
+    gap, beyond = np.empty(count), np.empty(count, dtype=np.bool_)
+    c = np.empty((3, 2))  # coefficients of 1, s, s² of the position on an arc
+    for k in range(count):
+        nearest = np.inf
+        for w in range(width):
+            candidate = candidates[k, w]
+            low, high = lowest[k, w], highest[k, w]
+            for i in range(3):
+                for x in range(2):
+                    c[i, x] = 0.0
+                    for a in range(3):
+                        c[i, x] += basis[candidate, i, a] * points[nodes[candidate, a], x]
+            # The chord from s = 0 to s = 1 gives the start.
+            cx, cy = c[1, 0] + c[2, 0], c[1, 1] + c[2, 1]
+            rx, ry = queries[k, 0] - c[0, 0], queries[k, 1] - c[0, 1]
+            s = min(max((rx * cx + ry * cy) / max(cx * cx + cy * cy, 1e-300), low), high)
+            for _ in range(_ITERATIONS):
+                rx = queries[k, 0] - (c[0, 0] + s * (c[1, 0] + s * c[2, 0]))
+                ry = queries[k, 1] - (c[0, 1] + s * (c[1, 1] + s * c[2, 1]))
+                tx, ty = c[1, 0] + 2.0 * s * c[2, 0], c[1, 1] + 2.0 * s * c[2, 1]
+                speed = tx * tx + ty * ty
+                curve = speed - 2.0 * (rx * c[2, 0] + ry * c[2, 1])
+                before = s
+                s = min(max(s + (rx * tx + ry * ty) / max(curve, 0.1 * speed, 1e-300), low), high)
+                if abs(s - before) < _CONVERGED:
+                    break
+            rx = queries[k, 0] - (c[0, 0] + s * (c[1, 0] + s * c[2, 0]))
+            ry = queries[k, 1] - (c[0, 1] + s * (c[1, 1] + s * c[2, 1]))
+            distance = np.hypot(rx, ry)
+            if distance < nearest:
+                nearest = distance
+                tx, ty = c[1, 0] + 2.0 * s * c[2, 0], c[1, 1] + 2.0 * s * c[2, 1]
+                speed = tx * tx + ty * ty
+                arc[k], t[k] = candidate, s
+                # At the end of the run the foot is not where the surface is nearest, unless it lies there by chance.
+                ends = (s == low and candidate == candidates[k, 0]) or (
+                    s == high and candidate == candidates[k, width - 1]
+                )
+                beyond[k] = ends and abs(rx * tx + ry * ty) > 1e-9 * speed
+                gap[k] = distance if beyond[k] else (rx * ty - ry * tx) / np.sqrt(speed)
+    return arc, t, gap, beyond
 
 
 @dataclass(frozen=True)
