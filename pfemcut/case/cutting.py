@@ -113,7 +113,7 @@ def tool_body(case: Case, given: ToolBody, tool: RigidWedge, velocity: tuple[flo
         material=load_material(given.material, Path(), section="tool.body.material"),
         temperature=case.tool.temperature,
         velocity=velocity,
-        arcs=(Arc(4, tool.centre),),
+        arcs=(Arc(4, tool.centre, circumscribed=given.smooth),),
         remesh=False,
         sizes=(SizeField(zones, 0.25 * min(given.width, given.height)),),
     )
