@@ -32,6 +32,14 @@ def figures(case: AnyCase, material: Material, base_directory: Path) -> list[tup
             "tool",
             f"{tool.model}, rake {tool.rake:g}, clearance {tool.clearance:g} degrees, tip {tool.tip_radius:g} mm",
         ),
+        *(
+            (
+                "tool body",
+                f"{body.material.name}, {given.width:g} x {given.height:g} mm, held at {given.supports}",
+            )
+            for body, given in zip(problem.others, (tool.body,), strict=False)
+            if given is not None
+        ),
         ("cut", f"{cutting.depth:g} mm deep, {cutting.travel:g} mm at {cutting.speed:g} mm/s"),
         ("friction", _friction(case.contact)),
         ("integrator", case.time.integrator),
@@ -65,7 +73,11 @@ def _general_figures(case: GeneralCase, material: Material, base_directory: Path
     return [
         ("title", problem.title),
         ("material", f"{material.name}, initially at {problem.body.temperature:g} K"),
-        ("parts", ", ".join(dict.fromkeys(problem.body.parts))),
+        *(
+            (each.name, f"{each.material.name}, initially at {each.temperature:g} K")
+            for each in problem.others
+        ),
+        ("parts", ", ".join(dict.fromkeys(problem.parts))),
         ("integrator", case.time.integrator),
         ("steps", f"about {case.time.end / case.time.step:.0f} of {case.time.step:g} s"),
         ("spacing", f"{case.mesh.size:g} mm, {len(case.mesh.refine)} finer regions"),
