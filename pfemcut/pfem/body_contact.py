@@ -44,20 +44,21 @@ class BodyInterface:
         return tuple(np.unique(each) for each in np.column_stack([self.points.particles, arcs]))
 
 
-def body_surface(problem: Problem, mesh: Mesh, pair: ContactPair) -> BodySurface:
-    """The master surface of ``pair`` where its particles are now."""
+def body_surface(problem: Problem, mesh: Mesh, parts: tuple[str, ...], smooth: bool) -> BodySurface:
+    """The surface made of the named boundary ``parts`` where its particles are now."""
     return BodySurface(
-        surface_arcs(mesh.points, mesh.boundary, _numbers(problem, pair.master), pair.smooth), mesh.points
+        surface_arcs(mesh.points, mesh.boundary, _numbers(problem, parts), smooth), mesh.points
     )
 
 
 def surfaces_around(problem: Problem, mesh: Mesh, time: float, body: int) -> tuple[Surface, ...]:
-    """What the surface of the ``body`` of that number may touch: rigid tools, and master surfaces of other bodies."""
+    """What the surface of the ``body`` of that number may touch: rigid tools, and the surfaces of other bodies."""
     own = set(problem.bodies[body].parts)
-    masters = [pair for pair in problem.pairs if own & set(pair.slave)]
+    touched = [(pair.master, pair.smooth) for pair in problem.pairs if own & set(pair.slave)]
+    touched += [(pair.slave, pair.smooth) for pair in problem.pairs if own & set(pair.master)]
     return (
         *(tool.at(time) for tool in problem.rigid_tools),
-        *(body_surface(problem, mesh, pair) for pair in masters),
+        *(body_surface(problem, mesh, parts, smooth) for parts, smooth in touched),
     )
 
 
@@ -67,7 +68,7 @@ def contact_search(problem: Problem, mesh: Mesh, motion: Array) -> tuple[BodyInt
 
 
 def _search(problem: Problem, mesh: Mesh, motion: Array, pair: ContactPair) -> BodyInterface:
-    surface = body_surface(problem, mesh, pair)
+    surface = body_surface(problem, mesh, pair.master, pair.smooth)
     arcs = surface.arcs
     after = BodySurface(arcs, mesh.points + motion)
     chosen = np.isin(mesh.boundary.parts, _numbers(problem, pair.slave))

@@ -9,7 +9,7 @@ from meshing.mesh import Mesh, signed_areas
 from pfemcut.contact.penalty import facing_lengths
 from pfemcut.materials.return_mapping import deviatoric_energy
 from pfemcut.pfem.bodies import densities, moduli, over_particles
-from pfemcut.pfem.body_contact import spring_energy
+from pfemcut.pfem.body_contact import deformable_tools, spring_energy
 from pfemcut.pfem.kinematics import element_mean, lumped
 from pfemcut.pfem.state import Fields
 from pfemcut.problem import Body, Problem
@@ -38,9 +38,21 @@ def _element_masses(problem: Problem, mesh: Mesh, fields: Fields) -> Array:
 
 def heat_content(problem: Problem, mesh: Mesh, fields: Fields) -> float:
     """Heat above the initial temperature, int rho_0 / J (int c dtheta) dV with lumped capacity (mJ/mm)."""
+    return float(_nodal_heat(problem, mesh, fields).sum())
+
+
+def tool_heat_content(problem: Problem, mesh: Mesh, fields: Fields) -> dict[str, float]:
+    """The heat content (mJ/mm) of a deformable tool as a history column; empty without one."""
+    columns = {}
+    for _, particles in deformable_tools(problem, mesh):
+        columns["tool_heat_content"] = float(_nodal_heat(problem, mesh, fields)[particles].sum())
+    return columns
+
+
+def _nodal_heat(problem: Problem, mesh: Mesh, fields: Fields) -> Array:
     nodal_mass = lumped(_element_masses(problem, mesh, fields), mesh.cells, len(mesh.points))
     enthalpy = over_particles(problem, mesh, lambda body, p: _enthalpy(body, fields.temperature[p]))
-    return float(np.sum(nodal_mass * enthalpy))
+    return nodal_mass * enthalpy
 
 
 def _enthalpy(body: Body, temperature: Array) -> Array:

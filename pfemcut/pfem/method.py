@@ -166,6 +166,7 @@ class PfemMethod:
             "area_drift": ledger.area_drift / cut_area if cut_area else 0.0,
             "mass_drift": energies.mass(problem, state.mesh, state.fields) / state.initial_mass - 1.0,
             **self._tool_heat(),
+            **energies.tool_heat_content(problem, state.mesh, state.fields),
             **self._reactions(),
             **self._probed(),
         }

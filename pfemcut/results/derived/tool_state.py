@@ -6,6 +6,8 @@ averages of the tensor around each particle, of which von Mises' and the princip
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,6 +17,7 @@ from pfemcut.tools.rigid_wedge import RigidWedge
 
 Array = NDArray[np.float64]
 
+_UNIFORM = 1e-9  # relative range of a field that does not vary
 _ON_TIP = 1e-3  # mm off the tip circle
 
 
@@ -69,7 +72,10 @@ def tool_columns(frame: Frame) -> dict[str, float]:
             at = int(np.argmax(values))
             columns[name] = float(values[at] if short != "tool_compression" else -values[at])
             along, away = to_rake_frame(without_load(block)[at : at + 1], tool)[0]
-            columns[f"{short}_along_rake"], columns[f"{short}_depth"] = float(along), float(-away)
+            # What is the same everywhere is largest nowhere.
+            varies = np.ptp(values) > _UNIFORM * np.abs(values).max()
+            columns[f"{short}_along_rake"] = float(along) if varies else math.nan
+            columns[f"{short}_depth"] = float(-away) if varies else math.nan
         columns["tool_tip_deflection_x"], columns["tool_tip_deflection_y"] = tip_deflection(tool, block)
     return columns
 
