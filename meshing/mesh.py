@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
@@ -99,17 +98,11 @@ def _ranges(first: IntArray, count: int) -> tuple[slice, ...]:
     return tuple(slice(a, b) for a, b in zip(first.tolist(), ends, strict=True))
 
 
-@njit(cache=True)
-def signed_areas(points, cells):  # type: ignore[no-untyped-def]
+def signed_areas(points: Array, cells: IntArray) -> Array:
     """Signed areas (mm²) of triangles ``cells`` (m, 3), positive when counter-clockwise; shape (m,)."""
-    areas = np.empty(len(cells))
-    for i in range(len(cells)):
-        a, b, c = cells[i, 0], cells[i, 1], cells[i, 2]
-        areas[i] = 0.5 * (
-            (points[b, 0] - points[a, 0]) * (points[c, 1] - points[a, 1])
-            - (points[b, 1] - points[a, 1]) * (points[c, 0] - points[a, 0])
-        )
-    return areas
+    a, b, c = points[cells[:, 0]], points[cells[:, 1]], points[cells[:, 2]]
+    u, v = b - a, c - a
+    return 0.5 * (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
 
 
 def circumradii(points: Array, cells: IntArray) -> Array:

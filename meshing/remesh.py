@@ -38,6 +38,27 @@ class SpacingRules:
 
 
 @dataclass(frozen=True)
+class SpacingFactors:
+    """How far the spacing may exceed the wished one, relative to it; 1 where it may not.
+
+    Attributes
+    ----------
+    removal
+        Particles are removed up to this times the wished spacing; shape (n,).
+    insertion
+        None are inserted up to this times the wished spacing, which is no less; shape (n,).
+    """
+
+    removal: Array
+    insertion: Array
+
+    @staticmethod
+    def none(count: int) -> SpacingFactors:
+        """The wished spacing everywhere."""
+        return SpacingFactors(np.ones(count), np.ones(count))
+
+
+@dataclass(frozen=True)
 class RemeshMap:
     """Where everything in a new mesh comes from.
 
@@ -85,7 +106,7 @@ def remesh(
     *,
     refine_score: Array,
     removal_scale: Array,
-    coarsening: Array,
+    coarsening: SpacingFactors,
     locked: BoolArray,
     free: BoolArray,
     place_boundary: PlaceBoundary,
@@ -107,7 +128,8 @@ def remesh(
     removal_scale
         Factor on the removal distance of each particle, small where refinement must last; shape (n,).
     coarsening
-        Factor on the wished spacing inside the body, large where the solution needs few particles; shape (n,).
+        Factors on the wished spacing, large where the solution needs few particles; on the boundary they hold for
+        ``free`` particles.
     locked
         Boundary particles that must stay; shape (n,).
     free
@@ -121,26 +143,26 @@ def remesh(
         If the body overlaps itself.
     """
     outline_before = _outline(mesh)
-    outline, stays = _edit_boundary(mesh, sizes, rules, outline_before, locked, free, place_boundary)
+    outline, stays = _edit_boundary(
+        mesh, sizes, rules, outline_before, coarsening, locked, free, place_boundary
+    )
     if rules.remove:
         spacing = sizes(mesh.points)
         stays &= ~crowded_particles(
             mesh.points,
             mesh.cells,
             _on_boundary(mesh),
-            rules.interior_removal * removal_scale * coarsening * spacing,
+            rules.interior_removal * removal_scale * coarsening.removal * spacing,
         )
 
     points, kept, boundary = _assemble(mesh, outline, stays)
     cells = constrained_delaunay(points, boundary.edges)
     if rules.insert:
         unchanged, old_cells = _match_cells(mesh, cells, kept)
-        factor = np.ones(len(points))
-        factor[: len(kept)] = coarsening[kept]
         new = refinement_points(
             points,
             cells,
-            sizes(points[cells].mean(axis=1)) * factor[cells].mean(axis=1),
+            sizes(points[cells].mean(axis=1)) * _cell_factors(cells, coarsening.insertion[kept], len(points)),
             radius_ratio=rules.interior_radius,
             area_ratio=rules.interior_area,
             clearance_ratio=rules.interior_spacing,
@@ -174,6 +196,7 @@ def _edit_boundary(
     sizes: SizeField,
     rules: SpacingRules,
     outline: Outline,
+    coarsening: SpacingFactors,
     locked: BoolArray,
     free: BoolArray,
     place_boundary: PlaceBoundary,
@@ -182,16 +205,54 @@ def _edit_boundary(
     stays = np.ones(len(mesh.points), dtype=bool)
     if rules.remove:
         before = outline.particles
+        factor = _removal_factors(outline, coarsening, free)
         outline = collapse_short_edges(
-            outline, rules.boundary_removal * sizes(outline.points), locked[before]
+            outline, rules.boundary_removal * factor * sizes(outline.points), locked[before]
         )
         stays[before] = False
         stays[outline.particles[outline.particles >= 0]] = True
     if rules.insert:
         middle = 0.5 * (outline.points + outline.points[outline.topology.following])
         may_shift = (outline.particles >= 0) & free[outline.particles]
-        outline = split_long_edges(outline, rules.boundary_split * sizes(middle), place_boundary, may_shift)
+        at_entries = _entry_factors(outline, np.where(free, coarsening.insertion, 1.0))
+        factor = np.minimum(at_entries, at_entries[outline.topology.following])
+        outline = split_long_edges(
+            outline, rules.boundary_split * factor * sizes(middle), place_boundary, may_shift
+        )
     return outline, stays
+
+
+def _entry_factors(outline: Outline, factors: Array) -> Array:
+    """The ``factors`` (n,) of the boundary's entries; a new one has the larger of its neighbours'; shape (b,)."""
+    loops = outline.topology
+    known = outline.particles >= 0
+    at_entries = np.where(known, factors[outline.particles], 1.0)
+    neighbours = np.maximum(at_entries[loops.preceding], at_entries[loops.following])
+    return np.where(known, at_entries, neighbours)
+
+
+def _removal_factors(outline: Outline, coarsening: SpacingFactors, free: BoolArray) -> Array:
+    """Factor on the length below which each edge is collapsed; shape (b,).
+
+    A collapse lengthens the edges beside it, so no more than what these may have without being split.
+    """
+    loops = outline.topology
+    following = loops.following
+    removal = _entry_factors(outline, np.where(free, coarsening.removal, 1.0))
+    insertion = _entry_factors(outline, np.where(free, coarsening.insertion, 1.0))
+    ends = np.minimum(removal, removal[following])
+    beside = np.minimum(insertion[loops.preceding], insertion[following[following]])
+    return np.minimum(ends, beside)
+
+
+def _cell_factors(cells: IntArray, factors: Array, count: int) -> Array:
+    """Mean of the ``factors`` (k,) over the particles of each cell that have one: the first of ``count``; (m,)."""
+    known = np.zeros(count, dtype=bool)
+    known[: len(factors)] = True
+    values = np.zeros(count)
+    values[: len(factors)] = factors
+    owners = known[cells].sum(axis=1)
+    return np.where(owners > 0, values[cells].sum(axis=1) / np.maximum(owners, 1), 1.0)
 
 
 def _assemble(mesh: Mesh, outline: Outline, stays: BoolArray) -> tuple[Array, IntArray, Boundary]:

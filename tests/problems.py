@@ -190,6 +190,8 @@ def block_problem(
         time=TimeControls(
             step=step,
             end=steps * step,
+            largest_step=step,
+            step_tolerance=0.3,
             first_step_fraction=1.0,
             growth=1.25,
             smallest_step_fraction=1e-3,

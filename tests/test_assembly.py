@@ -19,7 +19,7 @@ from pfemcut.fem import runtime
 from pfemcut.fem.momentum_system import MomentumSystem, NodalForces
 from pfemcut.fem.partition import Partition, shares
 from pfemcut.fem.sparsity import Sparsity
-from pfemcut.pfem.momentum import MomentumSymbols, momentum_forms
+from pfemcut.pfem.momentum import ELEMENT_COMPONENTS, MomentumSymbols, momentum_forms
 from pfemcut.pfem.step import PHASES
 from pfemcut.timing import Stopwatch
 
@@ -79,10 +79,10 @@ def dolfinx_assembly(values: Sequence[Array]) -> tuple[Array, Array]:
 def state() -> tuple[Array, Array, Array, Array]:
     rng = np.random.default_rng(5)
     unknown = np.column_stack([0.01 * rng.normal(size=(COUNT, 2)), 300.0 * rng.normal(size=COUNT)])
-    element = np.abs(rng.normal(1.0, 0.01, size=(ELEMENTS, 10)))
+    element = np.abs(rng.normal(1.0, 0.01, size=(ELEMENTS, ELEMENT_COMPONENTS)))
     element[:, 3] -= 1.0
     element[:, 5:8] = 1e-6 * rng.uniform(size=(ELEMENTS, 3))
-    element[:, 8:] = 1e3 * rng.uniform(size=(ELEMENTS, 2))
+    element[:, 8:10] = 1e3 * rng.uniform(size=(ELEMENTS, 2))
     return unknown, 0.01 * rng.uniform(size=COUNT), 200.0 * rng.normal(size=COUNT), element
 
 
@@ -101,8 +101,8 @@ def test_residual_and_tangent_are_those_of_dolfinx() -> None:
         STABILISATION,
         strain,
         settled,
-        False,
-        Stopwatch(PHASES),
+        symmetric=False,
+        watch=Stopwatch(PHASES),
     ) as system:
         found = system.internal_residual(unknown, element)
         tangent = dense_tangent(system, COUNT, fixed)
@@ -132,8 +132,8 @@ def test_symmetric_tangent_is_the_symmetric_part(coupled: bool) -> None:
             STABILISATION,
             strain,
             settled,
-            symmetric,
-            Stopwatch(PHASES),
+            symmetric=symmetric,
+            watch=Stopwatch(PHASES),
         ) as system:
             system.internal_residual(unknown, element)
             system.assemble(nodal)

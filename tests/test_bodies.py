@@ -92,15 +92,15 @@ def test_two_bodies_that_do_not_touch_do_what_each_does_alone() -> None:
 
 def test_joined_meshes_come_apart_as_they_were() -> None:
     meshes = [advanced(each, 0).current.mesh for each in (soft(), hard())]
-    whole = joined([meshes[0], renumbered(meshes[1], 4, meshes[0].next_id)])
+    whole = joined([meshes[0], renumbered(meshes[1], meshes[0].next_id)], [0, 4])
     assert whole.boundary.loops[1].min() >= len(meshes[0].points)
     assert len(np.unique(whole.ids)) == len(whole.points)
-    for before, after in zip(meshes, separated(whole), strict=True):
+    for before, after in zip(meshes, separated(whole, [0, 4]), strict=True):
         np.testing.assert_array_equal(before.points, after.points)
         np.testing.assert_array_equal(before.cells, after.cells)
         np.testing.assert_array_equal(before.boundary.particles, after.boundary.particles)
         np.testing.assert_array_equal(before.boundary.starts, after.boundary.starts)
-    assert set(separated(whole)[1].boundary.parts) == {4, 5, 6, 7}
+    assert set(whole.boundary.parts[len(meshes[0].boundary.parts) :]) == {4, 5, 6, 7}
 
 
 def test_a_body_that_is_not_remeshed_keeps_its_mesh() -> None:

@@ -101,7 +101,7 @@ def test_friction_heats_the_tool_and_the_heat_ledger_closes(points: str) -> None
     assert abs(own["heat_error"]) < 0.01
     frame = method.frame()
     columns = derived_columns(frame, deformable().cut[0])
-    assert columns["tool_max_temperature"] > 350.0
+    assert columns["tool_max_temperature"] > 330.0
     hottest = frame.contact.particles[np.argmax(frame.contact.pressure)]
     assert abs(frame.point_fields["temperature"][hottest] - columns["tool_max_temperature"]) < 150.0
     assert method.measure().friction_work > 0.0

@@ -33,6 +33,12 @@ def test_case_file_reference_is_up_to_date() -> None:
     ).page(), "run python scripts/case_file_reference.py"
 
 
+def test_materials_page_is_up_to_date() -> None:
+    assert (ROOT / "docs" / "materials.md").read_text(encoding="utf-8") == script("materials_page").page(), (
+        "run python scripts/materials_page.py"
+    )
+
+
 def test_verification_page_is_up_to_date() -> None:
     assert (ROOT / "docs" / "verification.md").read_text(encoding="utf-8") == script(
         "verification_page"

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from pfemcut.inputs import InputError
+from pfemcut.materials.describe import described, source_of
 from pfemcut.materials.hardening.voce import Voce
-from pfemcut.materials.load import described, library_names, load_material, material_table
+from pfemcut.materials.load import library_names, load_material, material_table
 
 HERE = Path()
 
@@ -25,10 +26,6 @@ def problem(spec: Any, base: Path = HERE) -> str:
         load_material(spec, base)
     (line,) = caught.value.problems
     return line
-
-
-def test_library_has_the_published_materials() -> None:
-    assert library_names() == ["42cd4", "aisi4340", "voce_steel"]
 
 
 def test_aisi4340_flow_stress_at_cutting_conditions() -> None:
@@ -74,11 +71,31 @@ def test_a_base_gives_what_a_table_leaves_out() -> None:
     assert changed.young_modulus == 206.9e3
 
 
+def test_a_changed_value_does_not_keep_the_base_s_source() -> None:
+    spec = {"base": "aisi4340", "density": 7.9e-9, "hardening": {"C": 0.02}}
+    changed = load_material(spec, HERE)
+    ours = "given in place of the base's value"
+    assert source_of(changed, "density") == source_of(changed, "hardening.C") == ours
+    assert source_of(changed, "capacity") == "the paper, Table 2"
+    assert source_of(changed, "hardening.A").startswith("the paper, Table 2")
+
+
+def test_another_law_drops_the_base_s_sources_of_the_law() -> None:
+    changed = load_material({"base": "aisi4340", "hardening": {"law": "elastic"}}, HERE)
+    assert source_of(changed, "hardening") == ""
+    assert source_of(changed, "density") == "the paper, Table 2"
+
+
+def test_a_base_s_source_can_be_replaced() -> None:
+    spec = {"base": "aisi4340", "density": 7.9e-9, "sources": {"density": "weighed"}}
+    assert source_of(load_material(spec, HERE), "density") == "weighed"
+
+
 @pytest.mark.parametrize(
     ("spec", "words"),
     [
         ("aisi434", ["[workpiece] material", "'aisi434'", "did you mean 'aisi4340'"]),
-        ("granite", ["'granite'", "'42cd4', 'aisi4340', 'voce_steel'"]),
+        ("granite", ["'granite'", "'42cd4'", "'aisi4340'", "'voce_steel'"]),
         ("missing.toml", ["missing.toml: no such file"]),
         (steel(youngs_modulus=1.0), ["youngs_modulus: unknown key", "did you mean 'young_modulus'"]),
         (steel(young_modulus=-1.0), ["young_modulus: given -1.0", "greater than 0", "MPa"]),
@@ -94,6 +111,13 @@ def test_a_base_gives_what_a_table_leaves_out() -> None:
         (steel(capacity={"temperature": [2.0, 1.0], "value": [1.0, 1.0]}), ["capacity", "must increase"]),
         (steel(capacity={"temperature": [1.0], "value": [0.0]}), ["value[0]: given 0.0", "greater than 0"]),
         (steel(hardening={"law": "jonson-cook"}), ["hardening] law", "did you mean 'johnson-cook'"]),
+        (
+            steel(sources={"densty": "a guess"}),
+            ["sources: unknown key 'densty'", "did you mean 'density'"],
+        ),
+        (steel(sources={"hardening.AA": "a guess"}), ["'hardening.AA'", "'hardening.A'"]),
+        (steel(sources={"density": 7}), ["sources", "given 7"]),
+        (steel(notes="careful"), ["notes: given 'careful'", "must be a list"]),
         (steel(hardening=7), ["hardening: given 7", "must be a table"]),
         (steel(hardening={**steel()["hardening"], "a": 1.0}), ["a: unknown key", "did you mean 'A'"]),
         (

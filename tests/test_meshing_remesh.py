@@ -12,9 +12,10 @@ from problems import RULES, Array, rectangle_mesh, star_mesh
 
 from meshing.interior import refinement_points
 from meshing.locate import locate
-from meshing.mesh import Mesh, boundary_area, circumradii, signed_areas, unique_edges
-from meshing.remesh import RemeshMap, SpacingRules, remesh
+from meshing.mesh import Boundary, Mesh, boundary_area, circumradii, signed_areas, unique_edges
+from meshing.remesh import RemeshMap, SpacingFactors, SpacingRules, remesh
 from meshing.sizes import Box, Capsule, SizeField, SizeZone
+from meshing.triangulation import constrained_delaunay
 
 SIZE = 0.12
 UNIFORM = SizeField((), SIZE)
@@ -38,7 +39,7 @@ def run(
     arguments = {
         "refine_score": np.zeros(len(mesh.cells)),
         "removal_scale": np.ones(len(mesh.points)),
-        "coarsening": np.ones(len(mesh.points)),
+        "coarsening": SpacingFactors.none(len(mesh.points)),
         "locked": np.zeros(len(mesh.points), dtype=bool),
         "free": free,
     }
@@ -296,6 +297,61 @@ def test_coarsening_thins_a_fine_mesh() -> None:
     coarse = settled(fine, UNIFORM, passes=30)
     assert interior_edge_lengths(coarse).min() >= RULES.interior_removal * SIZE
     assert len(coarse.points) < 0.4 * len(fine.points)
+
+
+def test_coarsening_thins_inside_and_on_the_free_boundary_and_comes_to_rest() -> None:
+    """Factors that jump from one to three, beside a boundary that may not shift: nothing is edited for ever."""
+    mesh = rectangle_mesh(width=3.0, size=SIZE)
+    before = mesh
+    for _ in range(40):
+        x, y = mesh.points.T
+        factor = np.where(x > 1.0, 3.0, 1.0)
+        free = np.zeros(len(mesh.points), dtype=bool)
+        free[mesh.boundary.particles] = True
+        free[y == 0.0] = False
+        # As the estimator has it: a particle next to one that wants the wished spacing is not removed.
+        near = factor.copy()
+        np.minimum.at(near, mesh.cells.ravel(), np.repeat(factor[mesh.cells].min(axis=1), 3))
+        mesh, where = run(mesh, free=free, coarsening=SpacingFactors(near, factor))
+    assert len(where.inserted_cells) == where.removed == 0
+    assert_valid(mesh)
+
+    def counts(of: Mesh) -> tuple[int, int, int]:
+        on_boundary = np.isin(np.arange(len(of.points)), of.boundary.particles)
+        x, y = of.points.T
+        far = x > 1.3
+        return (far & ~on_boundary).sum(), (far & (y == 1.0)).sum(), (far & (y == 0.0)).sum()
+
+    inside, free_side, held_side = counts(mesh)
+    inside_before, free_before, held_before = counts(before)
+    assert inside < 0.35 * inside_before
+    assert free_side < 0.65 * free_before
+    assert held_side == held_before
+    kept = np.isin(before.ids, mesh.ids)
+    assert kept[before.points[:, 0] < 0.8].all()
+
+
+def test_no_boundary_edge_collapses_at_the_cost_of_a_split_beside_it() -> None:
+    """Beside a corner that holds the wished spacing a collapse would make an edge too long: one that comes back."""
+    spacing = 0.065
+    right = np.array([0.0, 0.0667, 0.1334, 0.2335, 0.3335, 0.4335])
+    width = np.linspace(0.0, 0.4, 5)
+    bottom = np.column_stack([width, np.zeros(5)])
+    side = np.column_stack([np.full(6, 0.4), right])
+    top = np.column_stack([width[::-1], np.full(5, right[-1])])
+    left = np.column_stack([np.zeros(5), np.linspace(right[-1], 0.0, 5)])
+    points = np.vstack([each[:-1] for each in (bottom, side, top, left)])
+    count = len(points)
+    boundary = Boundary(np.arange(count), np.repeat([0, 1, 2, 3], [4, 5, 4, 4]), np.array([0, count]))
+    cells = constrained_delaunay(points, boundary.edges)
+    mesh = Mesh(points, cells, boundary, np.arange(count), count)
+    wide = np.full(count, 3.0)
+    free = mesh.points[:, 1] > 0.0
+    _, where = run(mesh, SizeField((), spacing), free=free, coarsening=SpacingFactors(wide, wide))
+    assert where.removed == 0
+    everywhere = np.ones(count, dtype=bool)  # without such a corner the edges go
+    _, where = run(mesh, SizeField((), spacing), free=everywhere, coarsening=SpacingFactors(wide, wide))
+    assert where.removed > 0
 
 
 def test_plastic_power_refines_to_the_smallest_spacing_and_not_beyond() -> None:

@@ -32,6 +32,7 @@ LAWS = {
     "linear": voce(800.0, linear=1500.0),
     "voce": load_material("voce_steel", None).hardening,
     "johnson-cook": load_material("aisi4340", None).hardening,
+    "sima-ozel": load_material("ti6al4v_sima_ozel", None).hardening,
 }
 seeds = st.integers(0, 2**31)
 laws = st.sampled_from(list(LAWS.values()))

@@ -190,6 +190,10 @@ def test_two_ranks_agree_with_one(tmp_path: Path) -> None:
         assert float(two[name]) == pytest.approx(row[name], rel=1e-8)
     for name, values in one.items():
         size = np.abs(values.astype(float)).max(initial=0.0)
+        if (
+            name == "ledger/area_drift"
+        ):  # round-off of differences of the body's area, by chance zero on one rank
+            size = float(np.prod(np.ptp(one["mesh/points"].astype(float), axis=0)))
         assert np.abs(two[name] - values).max(initial=0.0) <= 1e-8 * size, name
 
 

@@ -131,3 +131,8 @@ def test_hundred_remeshes_of_a_winding_body_diffuse_least_with_linear_values(flo
     assert found["linear"]["integral_error"] < 0.004
     assert found["linear"]["least"] >= 0.0
     assert found["particles"]["heat_error"] < 0.004
+    # Restoring the integral of the particle field costs little more diffusion.
+    assert found["conserved"]["heat_jump"] < 1e-14
+    assert found["conserved"]["heat_error"] < 0.004
+    assert found["conserved"]["l2_error"] < 2.0 * found["particles"]["l2_error"] < 0.05
+    assert 0.0 <= found["conserved"]["least"] < found["conserved"]["peak"] <= 1.0

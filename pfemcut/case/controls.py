@@ -17,6 +17,7 @@ from pfemcut.problem import (
     MovingTool,
     NewtonControls,
     ParticleControls,
+    StabilisationModulus,
     TimeControls,
     VolumetricHistory,
 )
@@ -80,10 +81,23 @@ def _volumetric_history(spacing: Spacing) -> VolumetricHistory:
     return VolumetricHistory(spacing.volumetric_history)
 
 
+def stabilisation_modulus(solver: Solver, spacing: Spacing) -> StabilisationModulus:
+    """Modulus of the pressure projection.
+
+    Where it acts on the whole pressure, a modulus that changes when an element begins to flow makes the pressure jump.
+    """
+    if solver.stabilisation_modulus == "auto":
+        on_increment = _volumetric_history(spacing) is VolumetricHistory.INCREMENT
+        return StabilisationModulus.SECANT if on_increment else StabilisationModulus.ELASTIC
+    return StabilisationModulus(solver.stabilisation_modulus)
+
+
 def time_controls(time: Time, end: float) -> TimeControls:
     """Time stepping until ``end`` (s)."""
     return TimeControls(
         step=time.step,
+        largest_step=time.step if time.largest_step is None else time.largest_step,
+        step_tolerance=time.step_tolerance,
         end=end,
         first_step_fraction=time.first_step_fraction,
         growth=time.growth,

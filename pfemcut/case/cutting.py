@@ -9,7 +9,14 @@ from typing import Any
 
 from meshing.initial import Arc
 from meshing.sizes import Box, Capsule, SizeField, SizeZone
-from pfemcut.case.controls import contact_law, moving_tool, newton_controls, particle_controls, time_controls
+from pfemcut.case.controls import (
+    contact_law,
+    moving_tool,
+    newton_controls,
+    particle_controls,
+    stabilisation_modulus,
+    time_controls,
+)
 from pfemcut.case.load import initial_temperature
 from pfemcut.case.schema import Case, Cutting, Mesh, Tool, ToolBody
 from pfemcut.materials.load import load_material
@@ -78,6 +85,7 @@ def cutting_problem(case: Case, material: Material) -> Problem:
         time=time_controls(case.time, end),
         newton=newton_controls(case.solver),
         stabilisation=case.solver.stabilisation,
+        stabilisation_modulus=stabilisation_modulus(case.solver, mesh),
         cut=(Cut(depth=case.cutting.depth, speed=case.cutting.speed, surface=height),),
     )
 

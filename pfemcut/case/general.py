@@ -7,7 +7,14 @@ from pathlib import Path
 
 from meshing.initial import Arc, MeshFileError, read_mesh
 from meshing.sizes import Capsule, SizeField, SizeZone
-from pfemcut.case.controls import contact_law, moving_tool, newton_controls, particle_controls, time_controls
+from pfemcut.case.controls import (
+    contact_law,
+    moving_tool,
+    newton_controls,
+    particle_controls,
+    stabilisation_modulus,
+    time_controls,
+)
 from pfemcut.case.general_schema import (
     Amount,
     BodyTable,
@@ -85,6 +92,7 @@ def general_problem(case: GeneralCase, material: Material, base_directory: Path)
         time=time_controls(case.time, case.time.end),
         newton=newton_controls(case.solver),
         stabilisation=case.solver.stabilisation,
+        stabilisation_modulus=stabilisation_modulus(case.solver, case.mesh),
         forces=tuple(DistributedForce(side.part, *_load(side.force)) for side in sides if side.force),
         tractions=tuple(Traction(side.part, *_load(side.traction)) for side in sides if side.traction),
         pressures=tuple(

@@ -151,13 +151,15 @@ class Spacing(Section):
     )
     coarsening: Literal["none", "plastic-strain", "stress"] = Field(
         default="none",
-        description="Error estimator (Zienkiewicz-Zhu) that removes particles where it finds no error",
+        description="Error estimator (Zienkiewicz-Zhu) that removes particles where it finds no error in material "
+        "without plastic flow that has left the fine zones",
     )
     coarsening_tolerance: float = Field(
-        default=0.01,
+        default=0.05,
         gt=0,
         le=1,
-        description="Error, relative to the largest value of the field, below which the spacing may grow",
+        description="Error, relative to the largest value of the field, below which the spacing may grow; "
+        "the temperature's must be below a tenth of it",
     )
     coarsening_largest: float = Field(
         default=3.0, ge=1, le=20, description="Largest spacing by the estimator, relative to h"
@@ -208,6 +210,17 @@ class Time(Section):
     """Time steps and integrator."""
 
     step: float = Field(gt=0, description="Nominal time step (s)")
+    largest_step: float | None = Field(
+        default=None,
+        gt=0,
+        description="Steps grow up to this where plastic flow allows it (s); the nominal step unless given",
+    )
+    step_tolerance: float = Field(
+        default=0.1,
+        gt=0,
+        le=1,
+        description="Part of the plastic power that a step longer than the nominal one may move between elements",
+    )
     integrator: Literal["impl-ex", "implicit"] = Field(
         default="impl-ex", description="Integrator of the plastic flow in the momentum solve"
     )
@@ -223,6 +236,14 @@ class Time(Section):
         default=1e-3, gt=0, le=1, description="A run that needs a smaller fraction of the nominal step stops"
     )
 
+    @model_validator(mode="after")
+    def _largest_is_not_below_nominal(self) -> Self:
+        if self.largest_step is not None and self.largest_step < self.step:
+            raise ValueError(
+                f"largest_step: given {self.largest_step:g}, must be at least step = {self.step:g} (s)"
+            )
+        return self
+
 
 class Solver(Section):
     """Newton iteration and stabilisation of the momentum solve."""
@@ -231,6 +252,11 @@ class Solver(Section):
     max_iterations: int = Field(default=15, ge=2, description="Iterations after which the step is halved")
     stabilisation: float = Field(
         default=1.0, gt=0, description="Factor alpha_s of the polynomial pressure projection"
+    )
+    stabilisation_modulus: Literal["auto", "elastic", "secant"] = Field(
+        default="auto",
+        description="Shear modulus that scales the projection: the material's, or in elements that flow the secant of "
+        "stress over strain; auto takes the secant where the pressure's increment is stabilised, else the material's",
     )
 
 

@@ -19,7 +19,8 @@ from pfemcut.case.check import figures, warnings
 from pfemcut.case.load import AnyCase, load_case
 from pfemcut.cli.table import result_lines
 from pfemcut.inputs import InputError, UserError
-from pfemcut.materials.load import described, library_names, load_material
+from pfemcut.materials.describe import described
+from pfemcut.materials.load import library_names, load_material
 from pfemcut.method import RunStopped
 
 CaseFile = Annotated[Path, typer.Argument(metavar="CASE.toml", help="Case file.", show_default=False)]
@@ -144,9 +145,10 @@ def materials(
     if name is not None:
         _say(described(load_material(name, Path(), section="")))
         return
+    width = max(map(len, library_names()))
     for known in library_names():
         material = load_material(known, Path())
-        _say(f"{known:<12} {material.name}: {material.source}")
+        _say(f"{known:<{width}} {material.name}: {material.source}")
 
 
 def _directed(case: AnyCase, output: Path | None) -> AnyCase:

@@ -51,6 +51,10 @@ class Shear:
 class FrictionLaw(Protocol):
     """Shear traction as a function of the interface's state."""
 
+    @property
+    def frictionless(self) -> bool:
+        """Whether there is no shear traction at all, so that the contact's tangent is symmetric."""
+
     def shear(self, interface: Interface, reference_speed: float) -> Shear:
         """Shear traction, regularised over the ``reference_speed`` V_ref (mm/s).
 

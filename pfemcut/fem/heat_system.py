@@ -66,7 +66,7 @@ class HeatKernels:
         domain = runtime.coordinate_domain()
         symbols = HeatSymbols.on(domain)
         form = runtime.CompiledForm(comm, heat_forms(domain, symbols))
-        self.matrix = Packing({symbols.element: 2}).kernel(form)
+        self.matrix = Packing({symbols.conductivity: 1}).kernel(form)
 
 
 def solve_temperature_increment(
@@ -74,7 +74,6 @@ def solve_temperature_increment(
     partition: Partition,
     points: Array,
     temperature: Array,
-    capacity: Array,
     lumped_capacity: Array,
     conductivity: Array,
     heat: Array,
@@ -93,10 +92,8 @@ def solve_temperature_increment(
         The updated configuration x_{n+1} (mm); shape (n, 2).
     temperature
         Temperature at the start of the step (K); shape (n,).
-    capacity
-        Heat capacity per current volume over the step, rho_0 c / (J dt); shape (m,).
     lumped_capacity
-        The same, integrated and lumped to particles; shape (n,).
+        Heat capacity of the particles over the step, the integral of rho_0 c / (J dt) (mW/(mm K)); shape (n,).
     conductivity
         Conductivity (N/(s K)); shape (m,).
     heat
@@ -126,7 +123,7 @@ def solve_temperature_increment(
     add_matrix(
         kernels.matrix.address,
         kernels.matrix.columns,
-        np.column_stack([capacity, conductivity])[partition.elements],
+        conductivity[partition.elements][:, None],
         np.empty(0),
         corner_coordinates(points, partition.corners),
         partition.cells,
@@ -144,12 +141,11 @@ def solve_temperature_increment(
     right, solution = matrix.createVecs()
     solution.array[:] = temperature[own]
     matrix.mult(solution, right)
-    right.array[:] = (heat + lumped_capacity * temperature)[own] - right.array_r
-    if exchange.any():
-        diagonal = matrix.getDiagonal()
-        diagonal.array[:] += exchange[own]
-        matrix.setDiagonal(diagonal)
-        diagonal.destroy()
+    right.array[:] = heat[own] - right.array_r
+    diagonal = matrix.getDiagonal()
+    diagonal.array[:] += (lumped_capacity + exchange)[own]
+    matrix.setDiagonal(diagonal)
+    diagonal.destroy()
     rows = (partition.first + np.flatnonzero(fixed[own])).astype(np.int32)
     solution.array[:] = fixed_increment[own]
     matrix.zeroRowsColumns(rows, 1.0, solution, right)

@@ -149,6 +149,7 @@ class MomentumSystem:
         stabilisation: float,
         thermal_strain: Array,
         settled_pressure: Array,
+        *,
         symmetric: bool,
         watch: Stopwatch,
         couplings: Sequence[IntArray] = (),
@@ -177,9 +178,6 @@ class MomentumSystem:
             self._pointers, self._columns = self._sparsity.scalar_rows(COMPONENTS)
             self._values = np.zeros(len(self._columns))
             self._symmetric = symmetric
-            # The projection is linear in the pressure: its matrix stays.
-            self._projection = self._values.copy()
-            self._add(kernels.jacobian[1], self._projection)
             self._solver = DirectSolver(
                 partition.comm, self._pointers, self._columns, self._values, symmetric=symmetric
             )
@@ -241,8 +239,9 @@ class MomentumSystem:
     def assemble(self, nodal: NodalForces) -> None:
         """Put the tangent at the point of the last residual, with the stiffness of ``nodal``, into the matrix."""
         partition, sparsity = self._partition, self._sparsity
-        self._values[:] = self._projection
-        self._add(self._kernels.jacobian[0], self._values)
+        self._values[:] = 0.0
+        for kernel in self._kernels.jacobian:
+            self._add(kernel)
         if self._symmetric:
             nodal = nodal.symmetric_part()
         rows, columns = partition.number[nodal.rows], partition.number[nodal.columns]
@@ -259,7 +258,7 @@ class MomentumSystem:
         """The PETSc matrix of the last :meth:`assemble`, which this object keeps."""
         return self._solver.update()
 
-    def _add(self, kernel: ElementKernel, values: Array) -> None:
+    def _add(self, kernel: ElementKernel) -> None:
         sparsity = self._sparsity
         add_matrix(
             kernel.address,
@@ -273,7 +272,7 @@ class MomentumSystem:
             sparsity.first,
             sparsity.starts,
             sparsity.places,
-            values,
+            self._values,
         )
 
     def _pack(self, symbol: object, values: Array) -> None:

@@ -8,7 +8,6 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Self
 
-import tomli_w
 from pydantic import (
     BaseModel,
     ConfigDict,
@@ -83,6 +82,9 @@ class MaterialTable(BaseModel):
 
     name: str = Field(default="", description="Name for reports")
     source: str = Field(default="", description="Where the values come from")
+    notes: Annotated[tuple[str, ...], Strict(False)] = Field(
+        default=(), description="What a user must know: misprints, choices that are not in the sources"
+    )
     young_modulus: float = Field(gt=0, description="Young's modulus (MPa)")
     poisson_ratio: float = Field(gt=-1, lt=0.5, description="Poisson's ratio (dimensionless)")
     density: float = Field(gt=0, lt=1e-6, description="Density (tonne/mm³; steel has 7.8e-9)")
@@ -98,6 +100,10 @@ class MaterialTable(BaseModel):
         default=0.9, ge=0, le=1, description="Fraction chi of plastic power that heats"
     )
     hardening: HardeningTable = Field(description="Hardening law and its constants")
+    sources: dict[str, str] = Field(
+        default={},
+        description="Where each value comes from, by its key; `hardening` stands for the whole law",
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -111,6 +117,14 @@ class MaterialTable(BaseModel):
             default = cls.model_fields["reference_temperature"].default
             hardening.setdefault("reference_temperature", table.get("reference_temperature", default))
         return {**table, "hardening": hardening}
+
+    @model_validator(mode="after")
+    def _sources_name_values(self) -> Self:
+        known = [*VALUES, "hardening", *(f"hardening.{key}" for key in type(self.hardening).model_fields)]
+        unknown = [key for key in self.sources if key not in known]
+        if unknown:
+            raise ValueError(f"sources: unknown key '{unknown[0]}'{nearest(unknown[0], known)}")
+        return self
 
     def material(self) -> Material:
         """The material that solvers use."""
@@ -126,7 +140,17 @@ class MaterialTable(BaseModel):
             reference_temperature=self.reference_temperature,
             taylor_quinney=self.taylor_quinney,
             hardening=self.hardening,
+            sources=tuple(self.sources.items()),
+            notes=self.notes,
         )
+
+
+VALUES = tuple(
+    key
+    for key in MaterialTable.model_fields
+    if key not in ("name", "source", "notes", "hardening", "sources")
+)
+"""Keys of a material file that have a value with a source, apart from the hardening law's."""
 
 
 def _property(given: float | _Table) -> Property:
@@ -183,10 +207,23 @@ def _merged(spec: Mapping[str, Any], base_directory: Path, section: str) -> dict
         )
     base, _ = _named(spec["base"], base_directory, section)
     given, inherited = own.get("hardening"), base.get("hardening")
+    sources = base.get("sources", {})
     if isinstance(given, Mapping) and isinstance(inherited, Mapping):
-        same_law = given.get("law", inherited.get("law")) == inherited.get("law")
-        own["hardening"] = {**inherited, **given} if same_law else given
+        if given.get("law", inherited.get("law")) == inherited.get("law"):
+            own["hardening"] = {**inherited, **given}
+        else:
+            sources = {key: text for key, text in sources.items() if not key.startswith("hardening")}
+    if isinstance(own.get("sources", {}), Mapping):
+        own["sources"] = {**sources, **_changed(own, given), **own.get("sources", {})}
     return {**base, **own}
+
+
+def _changed(own: Mapping[str, Any], hardening: Any) -> dict[str, str]:
+    """What stands as the source of values given in place of the base's."""
+    keys = [key for key in own if key in VALUES]
+    if isinstance(hardening, Mapping):
+        keys += [f"hardening.{key}" for key in hardening if key != "law"]
+    return dict.fromkeys(keys, "given in place of the base's value")
 
 
 def _named(name: str, base_directory: Path, section: str) -> tuple[dict[str, Any], str]:
@@ -221,6 +258,7 @@ def material_table(material: Material) -> dict[str, Any]:
     return {
         "name": material.name,
         "source": material.source,
+        "notes": list(material.notes),
         "young_modulus": material.young_modulus,
         "poisson_ratio": material.poisson_ratio,
         "density": material.density,
@@ -230,25 +268,5 @@ def material_table(material: Material) -> dict[str, Any]:
         "reference_temperature": material.reference_temperature,
         "taylor_quinney": material.taylor_quinney,
         "hardening": hardening.model_dump(),
+        "sources": dict(material.sources),
     }
-
-
-def described(material: Material) -> str:
-    """Printable description: a valid material file with each key's meaning and unit as a comment."""
-    table = material_table(material)
-    hardening = table.pop("hardening")
-    lines = _commented(table, MaterialTable)
-    return "\n".join([*lines, "", "[hardening]", *_commented(hardening, LAWS[hardening["law"]])])
-
-
-def _commented(table: Mapping[str, Any], model: type[BaseModel]) -> list[str]:
-    lines = []
-    for key, value in table.items():
-        if isinstance(value, dict):
-            inside = ", ".join(f"{inner} = {value[inner]}" for inner in value)
-            written = f"{key} = {{ {inside} }}"
-        else:
-            written = tomli_w.dumps({key: value}).strip()
-        note = model.model_fields[key].description
-        lines.append(f"{written}  # {note}" if note else written)
-    return lines

@@ -18,6 +18,7 @@ class FlowStress:
     value: Array
     by_eqps: Array
     by_rate: Array
+    by_temperature: Array
 
 
 class HardeningLaw(Protocol):
@@ -54,7 +55,7 @@ class Material:
     Attributes
     ----------
     name, source
-        Name and citation, for reports.
+        Name and citations, for reports.
     young_modulus
         MPa.
     poisson_ratio
@@ -73,6 +74,10 @@ class Material:
         Fraction chi of the plastic power that heats.
     hardening
         The hardening law.
+    sources
+        Where each value comes from: pairs of a key of the material file and words.
+    notes
+        What a user must know: misprints, choices that are not in the sources.
     """
 
     name: str
@@ -86,6 +91,8 @@ class Material:
     reference_temperature: float
     taylor_quinney: float
     hardening: HardeningLaw
+    sources: tuple[tuple[str, str], ...] = ()
+    notes: tuple[str, ...] = ()
 
     @property
     def shear_modulus(self) -> float:

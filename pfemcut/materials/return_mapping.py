@@ -149,23 +149,24 @@ def implicit_multiplier(
         low, high = np.zeros_like(norm), norm / (2.0 * mu_bar)
         multiplier = (norm - _ROOT_2_3 * yield_stress[plastic]) / (2.0 * mu_bar)
         slope = 2.0 * mu_bar
+        left = np.arange(len(plastic))  # the points that have not converged
         for _ in range(60):
-            strain = _ROOT_2_3 * multiplier
-            flow = law.flow_stress(e + strain, strain / step, theta)
-            excess = norm - 2.0 * mu_bar * multiplier - _ROOT_2_3 * flow.value
-            slope = 2.0 * mu_bar + (flow.by_eqps + flow.by_rate / step) * 2.0 / 3.0
-            low = np.where(excess > 0.0, multiplier, low)
-            high = np.where(excess > 0.0, high, multiplier)
-            newton = multiplier + excess / slope
+            dl, strain = multiplier[left], _ROOT_2_3 * multiplier[left]
+            flow = law.flow_stress(e[left] + strain, strain / step, theta[left])
+            excess = norm[left] - 2.0 * mu_bar[left] * dl - _ROOT_2_3 * flow.value
+            slope[left] = 2.0 * mu_bar[left] + (flow.by_eqps + flow.by_rate / step) * 2.0 / 3.0
+            low[left] = np.where(excess > 0.0, dl, low[left])
+            high[left] = np.where(excess > 0.0, high[left], dl)
+            newton = dl + excess / slope[left]
             # Not strict: at a converged point the bracket has shrunk onto the iterate.
-            inside = (newton >= low) & (newton <= high)
-            multiplier = np.where(inside, newton, 0.5 * (low + high))
-            if np.max(np.abs(excess) / norm) < 1e-12:
+            inside = (newton >= low[left]) & (newton <= high[left])
+            multiplier[left] = np.where(inside, newton, 0.5 * (low[left] + high[left]))
+            error = np.abs(excess) / norm[left]
+            left = left[~(error < 1e-12)]
+            if not len(left):
                 break
         else:
-            raise ReturnMappingFailed(
-                f"return mapping: {np.max(np.abs(excess) / norm):.2g} of the stress is left"
-            )
+            raise ReturnMappingFailed(f"return mapping: {np.max(error):.2g} of the stress is left")
         value[plastic] = multiplier
         by_norm[plastic] = 1.0 / slope
         by_mu_bar[plastic] = -2.0 * multiplier / slope

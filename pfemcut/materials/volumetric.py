@@ -34,3 +34,9 @@ def volume_ratio_from_pressure(pressure_ratio: Array, thermal_strain: Array) -> 
         if np.max(np.abs(change), initial=0.0) < 1e-14:
             break
     return ratio
+
+
+def free_expansion(volume_ratio: Array, thermal_strain: Array) -> Array:
+    """d ln J / d e at constant pressure, which is 1 in a small deformation; any common shape."""
+    log = np.log(volume_ratio)
+    return (1.0 - log) / (volume_ratio * (1.0 - log) + thermal_strain * (3.0 - 2.0 * log))

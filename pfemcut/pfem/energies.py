@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from meshing.mesh import Mesh, signed_areas
 from pfemcut.contact.penalty import facing_lengths
+from pfemcut.materials.enthalpy import specific_enthalpy
 from pfemcut.materials.return_mapping import deviatoric_energy
 from pfemcut.pfem.bodies import densities, moduli, over_particles
 from pfemcut.pfem.body_contact import deformable_tools, spring_energy
@@ -56,20 +57,8 @@ def _nodal_heat(problem: Problem, mesh: Mesh, fields: Fields) -> Array:
 
 
 def _enthalpy(body: Body, temperature: Array) -> Array:
-    """int c dtheta from the initial temperature (mm²/s²), exact for the piecewise linear c; same shape."""
-    capacity = body.material.capacity
-    start = body.temperature
-    if len(capacity.temperatures) == 1:
-        return capacity.values[0] * (temperature - start)
-    knots = np.unique(np.concatenate([[start], capacity.temperatures, [0.0, 1e4]]))
-    values = capacity(knots)
-    integral = np.concatenate([[0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(knots))])
-
-    def primitive(at: Array) -> Array:
-        piece = np.clip(np.searchsorted(knots, at, side="right") - 1, 0, len(knots) - 2)
-        return integral[piece] + 0.5 * (values[piece] + capacity(at)) * (at - knots[piece])
-
-    return primitive(temperature) - primitive(np.array([start]))
+    """Specific enthalpy above the body's initial temperature (mm²/s²); same shape."""
+    return specific_enthalpy(body.material.capacity, temperature, body.temperature)
 
 
 def kinetic_energy(problem: Problem, mesh: Mesh, fields: Fields, step: float) -> float:

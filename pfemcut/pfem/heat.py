@@ -4,6 +4,8 @@ Backward Euler with lumped capacity: the Fourier number of a cutting step is far
 capacity matrix oscillates.
 
     int  (rho_0 / J) c (theta - theta_n) / dt w  dV (at the nodes)  +  int k grad(theta) . grad(w) dV  =  sources
+
+The lumped capacity is a diagonal that the solver adds, with the specific heat of each particle; the form is the rest.
 """
 
 from __future__ import annotations
@@ -17,23 +19,19 @@ from pfemcut.fem import runtime
 
 @dataclass(frozen=True)
 class HeatSymbols:
-    """Element data: capacity per volume and step (rho_0 c / (J dt)), and conductivity."""
+    """Element data: conductivity."""
 
-    element: ufl.Coefficient
+    conductivity: ufl.Coefficient
 
     @staticmethod
     def on(domain: ufl.Mesh) -> HeatSymbols:
         """New symbols on the symbolic mesh ``domain``."""
-        return HeatSymbols(ufl.Coefficient(ufl.FunctionSpace(domain, runtime.cell_element(2)), count=0))
+        return HeatSymbols(ufl.Coefficient(ufl.FunctionSpace(domain, runtime.cell_element(1)), count=0))
 
 
 def heat_forms(domain: ufl.Mesh, symbols: HeatSymbols) -> ufl.Form:
-    """Matrix of lumped capacity and conduction."""
+    """Matrix of conduction."""
     space = ufl.FunctionSpace(domain, runtime.nodal_element(1))
     test, trial = ufl.TestFunction(space), ufl.TrialFunction(space)
-    nodes = ufl.Measure("dx", domain=domain, metadata={"quadrature_rule": "vertex", "quadrature_degree": 1})
     inside = ufl.Measure("dx", domain=domain, metadata={"quadrature_degree": 0})
-    capacity, conductivity = symbols.element[0], symbols.element[1]
-    return (
-        capacity * trial * test * nodes + conductivity * ufl.inner(ufl.grad(trial), ufl.grad(test)) * inside
-    )
+    return symbols.conductivity * ufl.inner(ufl.grad(trial), ufl.grad(test)) * inside

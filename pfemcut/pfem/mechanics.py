@@ -12,6 +12,7 @@ from pfemcut.contact.node_to_segment import SurfaceContact
 from pfemcut.contact.penalty import ContactForces, contact_forces, facing_lengths
 from pfemcut.fem.momentum_system import MomentumKernels, MomentumSystem, NodalForces
 from pfemcut.fem.partition import Partition
+from pfemcut.materials.material import Material
 from pfemcut.materials.return_mapping import (
     Multiplier,
     Trial,
@@ -33,6 +34,7 @@ from pfemcut.pfem.kinematics import (
 )
 from pfemcut.pfem.loads import load_forces, part_particles
 from pfemcut.pfem.newton import Linearisation, solve_momentum
+from pfemcut.pfem.stabilisation import modulus_ratio
 from pfemcut.pfem.state import Fields
 from pfemcut.problem import Body, Integrator, Problem, VolumetricHistory
 from pfemcut.timing import Stopwatch
@@ -112,11 +114,16 @@ class PlasticUpdate:
     flow_stress: Array
 
 
-def pressure_volume_ratios(problem: Problem, mesh: Mesh, fields: Fields) -> Array:
-    """J of the elements, recomputed from the particles' pressure and the temperature it belongs to; (m,)."""
-    pressure = element_mean(fields.pressure, mesh.cells)
-    strain = element_mean(thermal_strains(problem, mesh, fields.momentum_temperature), mesh.cells)
-    return volume_ratio_from_pressure(pressure / moduli(problem, mesh)[:, 1], strain)
+def thermal_strain(material: Material, temperature: Array) -> Array:
+    """e = 3 alpha (theta - theta_0) of the temperature (K); same shape."""
+    return material.thermal_strain(temperature)
+
+
+def pressure_volume_ratios(material: Material, cells: IntArray, fields: Fields) -> Array:
+    """J of ``cells`` (m, 3), recomputed from the particles' pressure and the temperature it belongs to; (m,)."""
+    pressure = element_mean(fields.pressure, cells)
+    strain = element_mean(thermal_strain(material, fields.momentum_temperature), cells)
+    return volume_ratio_from_pressure(pressure / material.bulk_modulus, strain)
 
 
 def flow_stresses(problem: Problem, mesh: Mesh, eqps: Array, rate: Array, temperature: Array) -> Array:
@@ -163,6 +170,7 @@ def solve_motion(
     partition: Partition,
     mesh: Mesh,
     fields: Fields,
+    guess: Array,
     *,
     start_time: float,
     step: float,
@@ -170,6 +178,8 @@ def solve_motion(
     watch: Stopwatch,
 ) -> Motion:
     """Contact search and momentum solve over ``step`` (s) from the configuration of ``mesh``.
+
+    The iteration starts at ``guess`` (n, 3), displacement and pressure.
 
     Raises
     ------
@@ -189,13 +199,15 @@ def solve_motion(
         (tool, shape, facing_lengths(shape, mesh.points, mesh.boundary.edges)[candidates])
         for tool, shape in zip(problem.rigid_tools, shapes, strict=True)
     )
-    predicted = fields.last_displacement * (step / last_step)
-    interfaces = contact_search(problem, mesh, predicted)
+    interfaces = contact_search(problem, mesh, guess[:, :2])
     nodal_flow_stress = surface_flow_stress(problem, mesh, fields)
     flow_stress = nodal_flow_stress[candidates]
     # Lumped mass of the backward-Euler inertia term m (u / dt - v) / dt; zero in a quasi-static run.
     mass = lumped(areas * densities(problem, mesh) / ratio, cells, count) * float(problem.time.inertia)
     velocity = fields.last_displacement / last_step
+    softening = modulus_ratio(
+        problem.stabilisation_modulus, fields.b_elastic, fields.eqps, fields.multiplier_rate
+    )
 
     def kinematics(unknown: Array) -> tuple[Trial, Multiplier]:
         trial = elastic_trial(
@@ -250,6 +262,7 @@ def solve_motion(
                 multiplier.by_mu_bar,
                 trial.norm,
                 trial.mu_bar,
+                softening,
             ]
         )
         nodal = NodalForces.sum(
@@ -263,7 +276,7 @@ def solve_motion(
         return Linearisation(element, nodal, float(trial.jacobian.min()))
 
     fixed, value = prescribed_increments(problem, mesh, fields.displacement, start_time, step)
-    start = np.column_stack([predicted, fields.pressure])
+    start = guess.copy()
     start[fixed] = value[fixed]
     strain = thermal_strains(problem, mesh, fields.temperature)
     incremental = problem.particles.volumetric_history is VolumetricHistory.INCREMENT
@@ -280,9 +293,10 @@ def solve_motion(
         problem.stabilisation,
         strain,
         settled,
-        all(law.frictionless for law in laws),
-        watch,
-        [group for each in interfaces for group in each.couplings],
+        # Measured on cuts; a body that turns by degrees in a step needs the whole tangent.
+        symmetric=bool(problem.cut) and all(law.friction.frictionless for law in laws),
+        watch=watch,
+        couplings=[group for each in interfaces for group in each.couplings],
     ) as system:
         solution = solve_momentum(
             system,

@@ -34,7 +34,7 @@ from pfemcut.tools.heat_block import HeatBlock, block_mesh
 
 Array = NDArray[np.float64]
 
-_NO_STEP = StepRecord(np.zeros(2), 0, 0, 0, 0, 0, 0.0, np.zeros((0, 3)))
+_NO_STEP = StepRecord(np.zeros(2), 0, 0, 0, 0, 0, 0.0, 0.0, np.zeros((0, 3)))
 
 
 class PfemMethod:
@@ -58,7 +58,11 @@ class PfemMethod:
         fields = joined_fields(
             [
                 _initial_fields(body, part, first)
-                for body, part in zip(problem.bodies, separated(mesh), strict=True)
+                for body, part in zip(
+                    problem.bodies,
+                    separated(mesh, [alone.first_part for alone in problem.alone]),
+                    strict=True,
+                )
             ]
         )
         return cls(
@@ -152,6 +156,7 @@ class PfemMethod:
             "newton_iterations": record.newton_iterations,
             "step_cuts": ledger.step_cuts,
             "plastic_power": record.plastic_power,
+            "flow_change": record.flow_change,
             "thermoelastic_work": ledger.thermoelastic,
             "contact_energy": ledger.contact,
             "remeshing_energy": ledger.remeshing,
@@ -253,12 +258,10 @@ def _heat_blocks(problem: Problem) -> tuple[HeatBlock, ...]:
 def _initial_mesh(problem: Problem) -> Mesh:
     """All bodies' meshes, with the part numbers of the problem."""
     meshes: list[Mesh] = []
-    first_part = first_id = 0
     for body in problem.bodies:
-        mesh = renumbered(_body_mesh(body, problem.particles.sizes), first_part, first_id)
-        first_part, first_id = first_part + len(body.parts), mesh.next_id
-        meshes.append(mesh)
-    return joined(meshes)
+        first_id = meshes[-1].next_id if meshes else 0
+        meshes.append(renumbered(_body_mesh(body, problem.particles.sizes), first_id))
+    return joined(meshes, [alone.first_part for alone in problem.alone])
 
 
 def _body_mesh(body: Body, sizes: SizeField) -> Mesh:

@@ -4,14 +4,14 @@ Updated Lagrangian on the configuration x_n, plane strain, linear displacement i
 one Gauss point a triangle. With f = 1 + grad u, f_33 = 1, j = det f and J = j J_n:
 
     R_u = int  (j p 1 + s / J_n) : grad(v) f^-1  dV_n
-    R_p = int  q [ln J / J - e (1 - ln J) / J^2 - p / kappa] j  dV_n - alpha_s / mu int (q - q~)(P - P~) dV_n
+    R_p = int  q [ln J / J - e (1 - ln J) / J^2 - p / kappa] j  dV_n - int alpha_s / mu_s (q - q~)(P - P~) dV_n
 
 where e = 3 alpha (theta - theta_0), tildes are element means, and the pressure equation corrects eq. 4 of the
-paper: its stabilisation has the sign of -p/kappa and no stray factor. The stabilised P is the pressure (as in the
-paper) where J is carried by elements, and its increment p - p_n where J_n is recomputed from p_n: there the whole
-pressure would be stabilised anew in every step, and the volume that this takes forgotten, so that pressure gradients
-would creep away step by step. The Kirchhoff stress deviator is the radial
-return s = s_trial (1 - 2 mu_bar dl / |s_trial|) with
+paper: its stabilisation has the sign of -p/kappa and no stray factor. Its modulus mu_s is element data
+(:mod:`pfemcut.pfem.stabilisation`). The stabilised P is the pressure (as in the paper) where J is carried by elements,
+and its increment p - p_n where J_n is recomputed from p_n: there the whole pressure would be stabilised anew in every
+step, and the volume that this takes forgotten, so that pressure gradients would creep away step by step. The Kirchhoff
+stress deviator is the radial return s = s_trial (1 - 2 mu_bar dl / |s_trial|) with
 
     dl(u) = dl_k + H (|s_trial(u)| - |s_trial|_k) + G (mu_bar(u) - mu_bar_k)
 
@@ -29,8 +29,10 @@ import ufl
 from pfemcut.fem import runtime
 
 # Components of the element data, in the order of ``MomentumSymbols.element``.
-BE_XX, BE_YY, BE_ZZ, BE_XY, VOLUME_RATIO, MULTIPLIER, BY_NORM, BY_MU_BAR, NORM_K, MU_BAR_K = range(10)
-ELEMENT_COMPONENTS = 10
+BE_XX, BE_YY, BE_ZZ, BE_XY, VOLUME_RATIO, MULTIPLIER, BY_NORM, BY_MU_BAR, NORM_K, MU_BAR_K, SOFTENING = range(
+    11
+)
+ELEMENT_COMPONENTS = 11
 _TINY = 1e-20  # keeps the norm of a vanishing stress deviator differentiable
 
 
@@ -97,7 +99,7 @@ def momentum_forms(domain: ufl.Mesh, symbols: MomentumSymbols) -> tuple[Forms, F
     one_point = ufl.Measure("dx", domain=domain, metadata={"quadrature_degree": 1})
     exact = ufl.Measure("dx", domain=domain, metadata={"quadrature_degree": 2})
     # Exact minus one-point mass is the projection onto what the element mean leaves out.
-    projection = symbols.stabilisation / mu * q * (p - symbols.settled_pressure)
+    projection = symbols.stabilisation / (mu * data[SOFTENING]) * q * (p - symbols.settled_pressure)
     balance = ufl.inner(stress, ufl.grad(v) * ufl.inv(f)) * one_point
     balance += (q * (dilation - p / kappa) * j + projection) * one_point
     residuals = (balance, -projection * exact)

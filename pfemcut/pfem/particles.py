@@ -11,7 +11,7 @@ from meshing.sizes import SizeField
 from pfemcut.contact.surface import Surface
 from pfemcut.pfem.estimators import coarsening_factors
 from pfemcut.pfem.loads import part_particles
-from pfemcut.pfem.state import Fields
+from pfemcut.pfem.state import Clock, Fields
 from pfemcut.problem import ParticleControls, Problem
 
 Array = NDArray[np.float64]
@@ -29,10 +29,10 @@ def remesh_particles(
     mesh: Mesh,
     fields: Fields,
     tools: tuple[Surface, ...],
-    time: float,
+    clock: Clock,
     probe_ids: IntArray,
 ) -> tuple[Mesh, RemeshMap]:
-    """Remove and insert particles of one body and triangulate anew, at ``time`` (s).
+    """Remove and insert particles of one body and triangulate anew.
 
     ``tools`` are what its boundary may touch; particles with ``probe_ids`` stay.
 
@@ -42,7 +42,7 @@ def remesh_particles(
         If the body overlaps itself.
     """
     controls = problem.particles
-    sizes = sizes_at(problem, time)
+    sizes = sizes_at(problem, clock.time)
     score = plastic_power_score(mesh, fields, controls)
     probes = np.isin(mesh.ids, probe_ids)
     locked = supported_particles(problem, mesh) | probes
@@ -54,7 +54,9 @@ def remesh_particles(
         spacing_rules(controls),
         refine_score=score,
         removal_scale=scale,
-        coarsening=coarsening_factors(problem, mesh, fields),
+        coarsening=coarsening_factors(
+            problem, mesh, fields, sizes, clock.last_dt * np.asarray(controls.sizes_velocity)
+        ),
         locked=locked,
         free=_free_particles(problem, mesh, tools, sizes, locked),
         place_boundary=lambda a, b: _place_on_surface(a, b, tools),

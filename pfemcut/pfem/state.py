@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from meshing.bodies import separated
 from meshing.mesh import Boundary, Mesh
 from pfemcut.materials.volumetric import volume_ratio_from_pressure
 
@@ -34,12 +35,13 @@ class Transfer(Enum):
 
     INTERPOLATE: stays on particles, inserted ones interpolate in the old mesh. INHERIT: an element that changed takes
     its value from the old elements in its place (:class:`pfemcut.problem.ElementTransfer`); INHERIT_UNIMODULAR: so
-    does its deviator, and the determinant becomes 1.
+    does its deviator, and the determinant becomes 1; INHERIT_INVERSE: so does the inverse of its value.
     """
 
     INTERPOLATE = "interpolate"
     INHERIT = "inherit"
     INHERIT_UNIMODULAR = "inherit, det = 1"
+    INHERIT_INVERSE = "inherit 1/value"
 
 
 @dataclass(frozen=True)
@@ -52,8 +54,7 @@ class Declaration:
     transfer: Transfer
 
 
-def _stored(where: Where, unit: str, *, unimodular: bool = False) -> Any:
-    inherit = Transfer.INHERIT_UNIMODULAR if unimodular else Transfer.INHERIT
+def _stored(where: Where, unit: str, inherit: Transfer = Transfer.INHERIT) -> Any:
     transfer = Transfer.INTERPOLATE if where is Where.PARTICLE else inherit
     return field(metadata={"where": where, "unit": unit, "transfer": transfer})
 
@@ -91,8 +92,9 @@ class Fields:
     pressure: Array = _stored(Where.PARTICLE, "MPa")
     displacement: Array = _stored(Where.PARTICLE, "mm")
     last_displacement: Array = _stored(Where.PARTICLE, "mm")
-    b_elastic: Array = _stored(Where.ELEMENT, "1", unimodular=True)
-    volume_ratio: Array = _stored(Where.ELEMENT, "1")
+    b_elastic: Array = _stored(Where.ELEMENT, "1", Transfer.INHERIT_UNIMODULAR)
+    # Its inverse, so that the mass int rho_0 / J dV is kept.
+    volume_ratio: Array = _stored(Where.ELEMENT, "1", Transfer.INHERIT_INVERSE)
     eqps: Array = _stored(Where.ELEMENT, "1")
     multiplier_rate: Array = _stored(Where.ELEMENT, "1/s")
     plastic_power: Array = _stored(Where.ELEMENT, "mW/mm3")
@@ -232,6 +234,14 @@ class State:
     last_tool_force: Array
     last_reactions: Array
     tool_temperature: Array
+
+
+def separated_states(state: State, first_parts: Sequence[int]) -> tuple[State, ...]:
+    """``state`` with the mesh and the fields of each body alone, whose parts begin with the ``first_parts``."""
+    if len(first_parts) == 1:
+        return (state,)
+    pairs = zip(separated(state.mesh, first_parts), separated_fields(state.fields, state.mesh), strict=True)
+    return tuple(dataclasses.replace(state, mesh=mesh, fields=fields) for mesh, fields in pairs)
 
 
 def to_arrays(state: State) -> dict[str, NDArray[np.generic]]:

@@ -21,12 +21,15 @@ from pfemcut.method import CutEnded, RunStopped
 from pfemcut.pfem import energies
 from pfemcut.pfem.bodies import moduli, thermal_strains
 from pfemcut.pfem.body_contact import deformable_tools, force_within, surfaces_around
+from pfemcut.pfem.conservation import restore_heat
 from pfemcut.pfem.kinematics import element_mean
 from pfemcut.pfem.loads import nodal_loads, part_particles
 from pfemcut.pfem.mechanics import Motion, PlasticUpdate, solve_motion, update_plasticity
 from pfemcut.pfem.newton import StepFailed
 from pfemcut.pfem.particles import remesh_particles
-from pfemcut.pfem.state import Clock, Fields, Ledger, State, joined_fields, separated_fields
+from pfemcut.pfem.prediction import predict
+from pfemcut.pfem.state import Clock, Fields, Ledger, State, joined_fields, separated_fields, separated_states
+from pfemcut.pfem.step_size import flow_change, next_step
 from pfemcut.pfem.thermal import Heating, solve_heat
 from pfemcut.pfem.transfer import carry_volume, transfer_fields
 from pfemcut.problem import HeatSource, Problem
@@ -75,6 +78,8 @@ class StepRecord:
         Linear solves of the momentum equation.
     plastic_power
         Total (mW/mm).
+    flow_change
+        Part of the plastic power that the step moved, see :mod:`pfemcut.pfem.step_size`.
     reactions
         Of the support on the body for each prescribed motion, along its axis: force (N/mm), and its moments with the
         initial distances from the motion's centre in x and y (N); (motions, 3).
@@ -87,6 +92,7 @@ class StepRecord:
     outside: int
     newton_iterations: int
     plastic_power: float
+    flow_change: float
     reactions: Array
 
 
@@ -116,6 +122,7 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
                     partition,
                     mesh,
                     fields,
+                    _predicted(problem, state, mesh, fields, step, steady=cuts == 0),
                     start_time=state.clock.time,
                     step=step,
                     last_step=state.clock.last_dt,
@@ -165,7 +172,7 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
             plastic_power=power,
         )
         record, ledger = _record(
-            problem, state, mesh, fields, moved, motion, power, heating, remesh_map, step
+            problem, state, mesh, fields, moved, motion, plastic, power, heating, remesh_map, step
         )
         ledger = ledger.plus(step_cuts=cuts, **_remeshing_amounts(problem, state, mesh, fields, remesh_map))
     clock = Clock(
@@ -173,8 +180,10 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
         time=state.clock.time + step,
         last_dt=step,
         # A step shortened only to end on time does not shorten those after a resumption.
-        next_dt=min(
-            problem.time.growth * (step if step < wished else state.clock.next_dt), problem.time.step
+        next_dt=(
+            state.clock.next_dt
+            if wished < state.clock.next_dt
+            else next_step(problem.time, step, record.flow_change, motion.iterations, problem.newton)
         ),
     )
     new_state = replace(
@@ -209,43 +218,63 @@ def _step_length(problem: Problem, clock: Clock) -> float:
 def _particle_step(
     problem: Problem, state: State, watch: Stopwatch
 ) -> tuple[Mesh, Fields, tuple[RemeshMap, ...]]:
-    if not problem.particles.remesh:
-        unchanged = np.ones(len(state.mesh.cells), dtype=bool)
-        return state.mesh, carry_volume(problem, state.mesh, state.fields, unchanged), ()
+    parts = problem.alone
     meshes: list[Mesh] = []
-    parts: list[Fields] = []
+    carried: list[Fields] = []
     maps: list[RemeshMap] = []
-    kept: list[NDArray[np.bool_]] = []
     next_id = state.mesh.next_id
+    first_parts = [alone.first_part for alone in parts]
     separate = zip(
-        problem.bodies, separated(state.mesh), separated_fields(state.fields, state.mesh), strict=True
+        parts,
+        separated(state.mesh, first_parts),
+        separated_fields(state.fields, state.mesh),
+        strict=True,
     )
-    for number, (body, old, held) in enumerate(separate):
-        if not body.remesh:
+    for number, (part, old, held) in enumerate(separate):
+        alone = part.problem
+        if not (problem.particles.remesh and alone.body.remesh):
+            unchanged = np.ones(len(old.cells), dtype=bool)
             meshes.append(old)
-            parts.append(held)
-            kept.append(np.ones(len(old.cells), dtype=bool))
+            carried.append(carry_volume(alone, old, held, unchanged))
             continue
         old = replace(old, next_id=next_id)
         with watch.phase("particles"):
             try:
                 around = surfaces_around(problem, state.mesh, state.clock.time, number)
-                new, remesh_map = remesh_particles(problem, old, held, around, state.clock.time, state.probes)
+                new, remesh_map = remesh_particles(alone, old, held, around, state.clock, state.probes)
             except (BoundaryCrossing, TriangulationFailed) as failure:
-                what = f"{body.name} after step {state.clock.step}"
+                what = f"{alone.body.name} after step {state.clock.step}"
                 if isinstance(failure, BoundaryCrossing) and problem.cut:
                     raise CutEnded(f"{what} touches itself: {failure}") from failure
                 raise RunStopped(f"{what} can't be triangulated: {failure}") from failure
         with watch.phase("transfer"):
-            parts.append(transfer_fields(held, old, new, remesh_map, problem.particles.transfer))
+            fields = transfer_fields(held, old, new, remesh_map, problem.particles.transfer)
+            fields = carry_volume(alone, new, fields, remesh_map.unchanged)
+            carried.append(restore_heat(alone, old, held, new, fields, remesh_map))
         next_id = new.next_id
         meshes.append(new)
         maps.append(remesh_map)
-        kept.append(remesh_map.unchanged)
-    mesh = joined(meshes)
-    with watch.phase("transfer"):
-        fields = carry_volume(problem, mesh, joined_fields(parts), np.concatenate(kept))
-    return mesh, fields, tuple(maps)
+    return joined(meshes, first_parts), joined_fields(carried), tuple(maps)
+
+
+def _predicted(
+    problem: Problem, state: State, mesh: Mesh, fields: Fields, step: float, *, steady: bool
+) -> Array:
+    """First iterate of the step, body by body; shape (n, 3)."""
+    first_parts = [alone.first_part for alone in problem.alone]
+    tools = {tool.body for tool in problem.tool}
+    guesses = [
+        # A tool just goes on.
+        predict(alone.problem, last, new, held, step, steady=steady and alone.problem.body.name not in tools)
+        for alone, last, new, held in zip(
+            problem.alone,
+            separated_states(state, first_parts),
+            separated(mesh, first_parts),
+            separated_fields(fields, mesh),
+            strict=True,
+        )
+    ]
+    return guesses[0] if len(guesses) == 1 else np.concatenate(guesses)
 
 
 def _why(state: State, mesh: Mesh, fields: Fields, step: float, failure: Exception) -> str:
@@ -278,6 +307,7 @@ def _record(
     fields: Fields,
     moved: Mesh,
     motion: Motion,
+    plastic: PlasticUpdate,
     power: Array,
     heating: Heating,
     remesh_map: tuple[RemeshMap, ...],
@@ -331,6 +361,9 @@ def _record(
         outside=sum(each.outside for each in remesh_map),
         newton_iterations=motion.iterations,
         plastic_power=total_power,
+        flow_change=flow_change(
+            fields.multiplier_rate, plastic.multiplier_rate, plastic.flow_stress * areas / motion.volume_ratio
+        ),
         reactions=reactions,
     )
     return record, ledger

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +14,9 @@ from pfemcut.contact.heat import HeatExchange, exchange_matrix
 from pfemcut.contact.node_to_segment import SurfaceContact
 from pfemcut.fem.heat_system import HeatKernels, solve_temperature_increment
 from pfemcut.fem.partition import Partition
-from pfemcut.pfem.bodies import over_cells
+from pfemcut.materials.enthalpy import specific_enthalpy, temperature_at
+from pfemcut.materials.material import Property
+from pfemcut.pfem.bodies import densities, over_cells, over_particles
 from pfemcut.pfem.body_contact import heat_exchange
 from pfemcut.pfem.kinematics import element_mean, lumped, tributary_lengths
 from pfemcut.pfem.loads import part_edges, part_particles
@@ -23,6 +26,10 @@ from pfemcut.tools.heat_block import HeatBlock
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+
+_SOLVES = 5
+_ENOUGH = 1e-2  # K, between the linear solution and the temperature of its heat
+_SMALL = 1e-6  # K, below which a secant would be round-off
 
 
 @dataclass(frozen=True)
@@ -53,15 +60,6 @@ class Heating:
     tool_temperature: Array
 
 
-def heat_capacity(problem: Problem, mesh: Mesh, temperature: Array, volume_ratio: Array) -> Array:
-    """Heat capacity per current volume rho_0 c / J of the elements (mJ/(mm³ K)); (m,)."""
-    at = element_mean(temperature, mesh.cells)
-    return (
-        over_cells(problem, mesh, lambda body, c: body.material.density * body.material.capacity(at[c]))
-        / volume_ratio
-    )
-
-
 def solve_heat(
     problem: Problem,
     kernels: HeatKernels,
@@ -78,6 +76,14 @@ def solve_heat(
     step: float,
 ) -> Heating:
     """One backward-Euler step on ``mesh``, which has its particles at their new positions.
+
+    1. Conductivity k at the temperature of the start of the step, and specific heat c likewise, at the particles.
+    2. Solve the linear system for the temperature increment.
+    3. Each particle takes the temperature whose enthalpy, the integral of c, has grown by the heat that the solution
+       brings it: no heat is lost, whatever the step.
+    4. Where that differs from the increment by more than 0.01 K, solve again with the secant of the enthalpy as c.
+
+    Steps 3 and 4 have nothing to do where c is constant.
 
     Parameters
     ----------
@@ -97,8 +103,7 @@ def solve_heat(
     count = len(mesh.points)
     element_temperature = element_mean(temperature, mesh.cells)
     areas = signed_areas(mesh.points, mesh.cells)
-    capacity = heat_capacity(problem, mesh, temperature, volume_ratio) / step
-    lumped_capacity = lumped(areas * capacity, mesh.cells, count)
+    mass = lumped(densities(problem, mesh) * areas / volume_ratio, mesh.cells, count)
     sources = lumped(
         over_cells(problem, mesh, lambda body, c: body.material.taylor_quinney * plastic_power[c]) * areas,
         mesh.cells,
@@ -133,21 +138,37 @@ def solve_heat(
         )
     drawn = np.zeros(count)
     drawn[interface.particles] = interface.taken(temperature)
-    increment = solve_temperature_increment(
-        kernels,
-        partition,
-        mesh.points,
-        temperature,
-        capacity,
-        lumped_capacity,
-        over_cells(problem, mesh, lambda body, c: body.material.conductivity(element_temperature[c])),
-        sources + flux - drawn,
-        exchange,
-        interface,
-        fixed,
-        fixed_increment,
+    conductivity = over_cells(
+        problem, mesh, lambda body, c: body.material.conductivity(element_temperature[c])
     )
-    stored = float(lumped_capacity @ increment) * step
+
+    def by_capacity(of: Callable[..., Array], *values: Array) -> Array:
+        """``of`` the specific heat of each body and the values of its particles."""
+        return over_particles(
+            problem, mesh, lambda body, p: of(body.material.capacity, *(each[p] for each in values))
+        )
+
+    specific_heat = by_capacity(lambda capacity, at: capacity(at), temperature)
+    for _ in range(_SOLVES):
+        increment = solve_temperature_increment(
+            kernels,
+            partition,
+            mesh.points,
+            temperature,
+            mass * specific_heat / step,
+            conductivity,
+            sources + flux - drawn,
+            exchange,
+            interface,
+            fixed,
+            fixed_increment,
+        )
+        warming = by_capacity(_warming, temperature, increment, specific_heat * increment)
+        warming[fixed] = fixed_increment[fixed]
+        if np.max(np.abs(warming - increment)) <= _ENOUGH:
+            break
+        specific_heat = by_capacity(_secant, temperature, warming)
+    stored = float(mass @ by_capacity(_gain, temperature, warming))
     generated = float(sources.sum()) * step
     through = float(flux.sum() - exchange @ increment) * step
     taken = interface.taken(temperature + increment)
@@ -156,7 +177,7 @@ def solve_heat(
     after, to_holder = tool_temperature, 0.0
     for block, at, power in zip(blocks, places, surface_power, strict=True):
         after, to_holder = block.advanced(tool_temperature, power + at.T @ taken, step)
-    return Heating(increment, generated, supplied, to_tool, to_holder * step, after)
+    return Heating(warming, generated, supplied, to_tool, to_holder * step, after)
 
 
 @dataclass(frozen=True)
@@ -207,6 +228,29 @@ def _interface(
         response = block.response(at, step)
         ambient = np.asarray(at @ alone[block.surface])
     return HeatExchange(touching.particles, exchange_matrix(conductance, response), ambient)
+
+
+def _warming(capacity: Property, temperature: Array, increment: Array, received: Array) -> Array:
+    """Temperature increment (K) for the heat ``received`` per mass (mm²/s²); ``increment`` if c is constant; (n,)."""
+    if len(capacity.temperatures) == 1:
+        return increment.copy()
+    start = capacity.temperatures[0]
+    enthalpy = specific_enthalpy(capacity, temperature, start) + received
+    return temperature_at(capacity, enthalpy, start, temperature + increment) - temperature
+
+
+def _gain(capacity: Property, temperature: Array, warming: Array) -> Array:
+    """Growth of the specific enthalpy (mm²/s²); (n,)."""
+    start = capacity.temperatures[0]
+    after = specific_enthalpy(capacity, temperature + warming, start)
+    return after - specific_enthalpy(capacity, temperature, start)
+
+
+def _secant(capacity: Property, temperature: Array, warming: Array) -> Array:
+    """Mean specific heat over the warming (mm²/(s² K)); (n,)."""
+    large = np.abs(warming) > _SMALL
+    secant = _gain(capacity, temperature, warming) / np.where(large, warming, 1.0)
+    return np.where(large, secant, capacity(temperature))
 
 
 def _boundary_flux(problem: Problem, mesh: Mesh, temperature: Array, time: float) -> tuple[Array, Array]:

@@ -34,7 +34,12 @@ def transfer_fields(
     """``fields`` of the ``old`` mesh on the ``new`` one; particle and element fields each by their declared rule."""
     on_elements = [each for each in declarations() if each.where is Where.ELEMENT]
     values = {each.name: getattr(fields, each.name) for each in declarations()}
-    columns = np.column_stack([values[each.name] for each in on_elements])
+    columns = np.column_stack(
+        [
+            1.0 / values[each.name] if each.transfer is Transfer.INHERIT_INVERSE else values[each.name]
+            for each in on_elements
+        ]
+    )
     carried = transfer_elements(columns, old, new, remesh_map, rule)
     widths = np.cumsum([np.atleast_2d(values[each.name].T).shape[0] for each in on_elements])
     pieces = np.split(carried, widths[:-1], axis=1)
@@ -46,6 +51,9 @@ def transfer_fields(
     for each, piece in zip(on_elements, pieces, strict=True):
         if each.transfer is Transfer.INHERIT_UNIMODULAR:
             piece = _unimodular(piece, ~remesh_map.unchanged)
+        elif each.transfer is Transfer.INHERIT_INVERSE:
+            kept = values[each.name][remesh_map.cells, None]
+            piece = np.where(remesh_map.unchanged[:, None], kept, 1.0 / piece)
         moved[each.name] = np.ascontiguousarray(piece.reshape(len(new.cells), *values[each.name].shape[1:]))
     return Fields(**moved)
 
@@ -98,8 +106,8 @@ def _limited_changes(
     determinant = xx * yy - xy**2
     solvable = determinant > _COLLINEAR * (xx + yy) ** 2
     scale = np.where(solvable, 1.0 / np.where(solvable, determinant, 1.0), 0.0)
-    least = _grouped(np.minimum, np.zeros((count, columns)), i, rise)
-    most = _grouped(np.maximum, np.zeros((count, columns)), i, rise)
+    least = grouped(np.minimum, np.zeros((count, columns)), i, rise)
+    most = grouped(np.maximum, np.zeros((count, columns)), i, rise)
     change = np.empty((len(owner), columns))
     for column in range(columns):
         x, y = (np.bincount(i, weight * d[:, a] * rise[:, column], minlength=count) for a in (0, 1))
@@ -108,10 +116,10 @@ def _limited_changes(
     bound = np.where(change > 0.0, most[owner], least[owner])
     beyond = np.abs(change) > np.abs(bound)
     allowed = np.where(beyond, bound / np.where(beyond, change, 1.0), 1.0)
-    return _grouped(np.minimum, np.ones((count, columns)), owner, allowed)[owner] * change
+    return grouped(np.minimum, np.ones((count, columns)), owner, allowed)[owner] * change
 
 
-def _grouped(operation: Any, start: Array, groups: IntArray, values: Array) -> Array:
+def grouped(operation: Any, start: Array, groups: IntArray, values: Array) -> Array:
     """``start`` (n, c) with the ``values`` (k, c) of each of the ``groups`` (k,) taken in; faster than ``ufunc.at``."""
     if not len(groups):
         return start
@@ -153,7 +161,13 @@ def transfer_particles(values: Array, old: Mesh, remesh_map: RemeshMap) -> Array
     return np.concatenate([values[remesh_map.kept], inserted])
 
 
-def carry_volume(problem: Problem, mesh: Mesh, fields: Fields, unchanged: BoolArray) -> Fields:
+def carry_volume(
+    problem: Problem,
+    mesh: Mesh,
+    fields: Fields,
+    unchanged: BoolArray,
+    elements: IntArray | slice = slice(None),
+) -> Fields:
     """``fields`` with the volume ratios that the next step starts from, by the problem's rule.
 
     Parameters
@@ -164,11 +178,23 @@ def carry_volume(problem: Problem, mesh: Mesh, fields: Fields, unchanged: BoolAr
         The new mesh and the fields transferred to it.
     unchanged
         Elements that join the same particles as before; (m,).
+    elements
+        Those to renew, all by default; others keep what they have.
     """
-    rule = problem.particles.volumetric_history
-    if rule is VolumetricHistory.ELEMENT:
-        return fields
-    ratio = pressure_volume_ratios(problem, mesh, fields)
-    if rule is VolumetricHistory.MIXED:
-        ratio = np.where(unchanged, fields.volume_ratio, ratio)
+    renewed = np.zeros(len(mesh.cells), dtype=bool)
+    renewed[elements] = True
+    renewed &= follows_pressure(problem, unchanged)
+    ratio = fields.volume_ratio.copy()
+    ratio[renewed] = pressure_volume_ratios(problem.body.material, mesh.cells[renewed], fields)
     return replace(fields, volume_ratio=ratio)
+
+
+def follows_pressure(problem: Problem, unchanged: BoolArray) -> BoolArray:
+    """Elements whose J comes from the particles' pressure, by the problem's rule; (m,)."""
+    match problem.particles.volumetric_history:
+        case VolumetricHistory.ELEMENT:
+            return np.zeros(len(unchanged), dtype=bool)
+        case VolumetricHistory.MIXED:
+            return ~unchanged
+        case _:
+            return np.ones(len(unchanged), dtype=bool)

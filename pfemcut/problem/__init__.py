@@ -26,6 +26,7 @@ from pfemcut.problem.controls import (
     Integrator,
     NewtonControls,
     ParticleControls,
+    StabilisationModulus,
     TimeControls,
     VolumetricHistory,
 )
@@ -67,6 +68,7 @@ __all__ = [
     "Probe",
     "Problem",
     "Schedule",
+    "StabilisationModulus",
     "TimeControls",
     "Traction",
     "VolumetricHistory",

@@ -38,6 +38,16 @@ class VolumetricHistory(Enum):
     MIXED = "mixed"
 
 
+class StabilisationModulus(Enum):
+    """Shear modulus that scales the pressure projection.
+
+    ELASTIC: that of the material, as in the paper. SECANT: of stress over total strain in elements that flow.
+    """
+
+    ELASTIC = "elastic"
+    SECANT = "secant"
+
+
 class ErrorEstimator(Enum):
     """Element field whose Zienkiewicz-Zhu error decides where particles may go."""
 
@@ -50,12 +60,15 @@ class ErrorEstimator(Enum):
 class Coarsening:
     """Removal of particles where an error estimator finds nothing to resolve (paper, section 2.1 and Fig. 2).
 
+    Only of material without plastic flow that does not move into a zone of finer spacing.
+
     Attributes
     ----------
     estimator
         What is estimated.
     tolerance
-        Error, relative to the field's largest value, at which the wished spacing holds; below, spacing grows.
+        Error, relative to the field's largest value, to which the spacing may grow; the temperature's, relative to
+        its range, only to a tenth of it.
     largest
         Largest spacing, relative to the wished one.
     """
@@ -140,6 +153,10 @@ class TimeControls:
     ----------
     step
         Nominal step (s).
+    largest_step
+        Where plastic flow changes little, steps grow up to this (s).
+    step_tolerance
+        Part of the plastic power that such a step may move, see :mod:`pfemcut.pfem.step_size`.
     end
         Final time (s).
     first_step_fraction
@@ -155,6 +172,8 @@ class TimeControls:
     """
 
     step: float
+    largest_step: float
+    step_tolerance: float
     end: float
     first_step_fraction: float
     growth: float

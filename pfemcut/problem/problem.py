@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 
 from meshing.initial import Arc
@@ -10,7 +10,6 @@ from meshing.mesh import Mesh
 from meshing.sizes import SizeField
 from pfemcut.contact.conductance import Conductance
 from pfemcut.contact.friction import FrictionLaw
-from pfemcut.contact.friction_laws.coulomb import Coulomb
 from pfemcut.materials.material import Material
 from pfemcut.problem.conditions import (
     Convection,
@@ -22,7 +21,7 @@ from pfemcut.problem.conditions import (
     Pressure,
     Traction,
 )
-from pfemcut.problem.controls import NewtonControls, ParticleControls, TimeControls
+from pfemcut.problem.controls import NewtonControls, ParticleControls, StabilisationModulus, TimeControls
 from pfemcut.tools.rigid_wedge import RigidWedge
 
 
@@ -160,11 +159,6 @@ class ContactLaw:
     heat_partition: float
     conductance: Conductance = Conductance(0.0)
 
-    @property
-    def frictionless(self) -> bool:
-        """Whether there is never any shear traction."""
-        return isinstance(self.friction, Coulomb) and self.friction.coefficient == 0.0
-
 
 class ContactIntegration(Enum):
     """Where contact between bodies acts: at the particles of the slave surface, or at Gauss points of its edges."""
@@ -239,6 +233,8 @@ class Problem:
         Reference figures if the problem is a cut, else empty.
     probes
         Points to follow.
+    stabilisation_modulus
+        Shear modulus in the pressure projection.
     others
         Other deforming bodies.
     pairs
@@ -263,6 +259,7 @@ class Problem:
     heat_bands: tuple[MovingHeatBand, ...] = ()
     convections: tuple[Convection, ...] = ()
     probes: tuple[Probe, ...] = ()
+    stabilisation_modulus: StabilisationModulus = StabilisationModulus.ELASTIC
     others: tuple[Body, ...] = ()
     pairs: tuple[ContactPair, ...] = ()
 
@@ -270,6 +267,17 @@ class Problem:
     def bodies(self) -> tuple[Body, ...]:
         """All deforming bodies."""
         return (self.body, *self.others)
+
+    @property
+    def alone(self) -> tuple[PartProblem, ...]:
+        """The problem of each body alone."""
+        found, first = [], 0
+        for body in self.bodies:
+            found.append(
+                PartProblem(replace(self, body=body, others=(), pairs=()) if self.others else self, first)
+            )
+            first += len(body.parts)
+        return tuple(found)
 
     @property
     def rigid_tools(self) -> tuple[MovingTool, ...]:
@@ -280,3 +288,11 @@ class Problem:
     def parts(self) -> tuple[str, ...]:
         """Names of the boundary parts of all bodies, by part number."""
         return tuple(name for body in self.bodies for name in body.parts)
+
+
+@dataclass(frozen=True)
+class PartProblem:
+    """The problem of one body alone, and the number in the whole of its first boundary part."""
+
+    problem: Problem
+    first_part: int

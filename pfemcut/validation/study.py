@@ -109,11 +109,14 @@ def run_study(study: Study, arguments: Sequence[str]) -> bool:
         help="run this variant only, without conclusions (repeat at will): "
         + ", ".join(variant.name for variant in study.variants),
     )
+    options_parser.add_argument(
+        "--conclude", action="store_true", help="run nothing: conclude from the runs that are there"
+    )
     options = options_parser.parse_args(arguments)
     start, output = start_of(options), options.output
     wanted = _wanted(study, options.only)
     travel = study.travel if options.travel is None else options.travel
-    for variant in wanted:
+    for variant in () if options.conclude else wanted:
         _run(variant, output / variant.name, travel, start)
     if options.only:
         return True

@@ -29,6 +29,11 @@ class LawModel(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
+    @property
+    def frictionless(self) -> bool:
+        """Whether the constants leave no friction at all."""
+        return False
+
     def strength(self, interface: Interface) -> Strength:
         """Shear traction of a contact that slides fast against V_ref."""
         raise NotImplementedError(f"{type(self).__name__} has no strength")

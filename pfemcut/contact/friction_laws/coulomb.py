@@ -17,6 +17,11 @@ class Coulomb(LawModel):
     law: Literal["coulomb"] = Field(default="coulomb", description="Name of the law")
     coefficient: float = Field(ge=0, le=2, description="Coulomb coefficient mu (dimensionless)")
 
+    @property
+    def frictionless(self) -> bool:
+        """Whether the coefficient is zero."""
+        return self.coefficient == 0.0
+
     def strength(self, interface: Interface) -> Strength:
         """mu P_N."""
         pressure = interface.pressure

@@ -36,4 +36,5 @@ def floored(stress: FlowStress, floor: float) -> FlowStress:
         np.where(above, stress.value, floor),
         np.where(above, stress.by_eqps, 0.0),
         np.where(above, stress.by_rate, 0.0),
+        np.where(above, stress.by_temperature, 0.0),
     )

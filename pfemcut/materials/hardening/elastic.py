@@ -21,4 +21,4 @@ class Elastic(LawModel):
     def flow_stress(self, eqps: Array, rate: Array, temperature: Array) -> FlowStress:
         """The unreachable flow stress, shape (n,) as ``eqps``."""
         zero = np.zeros_like(eqps)
-        return FlowStress(np.full_like(eqps, self.NEVER), zero, zero)
+        return FlowStress(np.full_like(eqps, self.NEVER), zero, zero, zero)

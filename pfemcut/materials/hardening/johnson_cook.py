@@ -2,29 +2,26 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal, Self
+from typing import Literal, Self
 
-import numpy as np
 from pydantic import Field, model_validator
 
 from pfemcut.materials.hardening.base import LawModel, floored
+from pfemcut.materials.hardening.terms import rate_term, strain_power, thermal_term
 from pfemcut.materials.material import Array, FlowStress
 
 
 class JohnsonCook(LawModel):
     r"""Johnson-Cook hardening (paper, eq. 11).
 
-    1. Strain term :math:`s = A + B \varepsilon^n`. Its slope :math:`n B \varepsilon^{n-1}` is infinite at
-       :math:`\varepsilon = 0` for :math:`n < 1`, so below :math:`\varepsilon_0 = 10^{-8}` the power is replaced by
-       its chord from the origin, :math:`\varepsilon_0^{n-1} \varepsilon`: continuous, exact at zero, still
-       concave for :math:`n < 1`, and the slope is that of the value.
+    1. Strain term :math:`s = A + B \varepsilon^n`, the power replaced by a chord below :math:`\varepsilon = 10^{-8}`.
     2. Rate term :math:`r = 1 + C \ln(\dot\varepsilon / \dot\varepsilon_0)`, 1 below the reference rate.
     3. Homologous temperature :math:`\theta^* = (\theta - \theta_0) / (\theta_m - \theta_0)`, clipped to [0, 1];
        thermal term :math:`t = 1 - \theta^{*m}`.
     4. Flow stress :math:`\sigma_y = s\, r\, t`, kept above 0.1 % of :math:`A` (melted metal has none).
-    """
 
-    SMALLEST_STRAIN: ClassVar[float] = 1e-8
+    The terms are in :mod:`pfemcut.materials.hardening.terms`.
+    """
 
     law: Literal["johnson-cook"] = Field(description="Name of the law")
     A: float = Field(gt=0, description="Initial yield stress (MPa)")
@@ -49,27 +46,18 @@ class JohnsonCook(LawModel):
 
     def flow_stress(self, eqps: Array, rate: Array, temperature: Array) -> FlowStress:
         """Flow stress for equivalent plastic strain (-), its rate (1/s) and temperature (K); shape (n,)."""
-        smallest = self.SMALLEST_STRAIN
-        strain = np.maximum(eqps, smallest)
-        on_chord = eqps < smallest
-        chord = smallest ** (self.n - 1.0)
-        power = np.where(on_chord, chord * eqps, strain**self.n)
-        power_slope = np.where(on_chord, chord, self.n * strain ** (self.n - 1.0))
-
-        relative_rate = np.maximum(rate / self.reference_rate, 1.0)
-        rate_term = 1.0 + self.C * np.log(relative_rate)
-        rate_slope = np.where(rate > self.reference_rate, self.C / (relative_rate * self.reference_rate), 0.0)
-
-        span = self.melting_temperature - self.reference_temperature
-        homologous = np.clip((temperature - self.reference_temperature) / span, 0.0, 1.0)
-        thermal_term = 1.0 - homologous**self.m
-
-        strain_term = self.A + self.B * power
+        power, power_slope = strain_power(eqps, self.n)
+        rate_factor, rate_slope = rate_term(rate, self.C, self.reference_rate)
+        thermal_factor, thermal_slope = thermal_term(
+            temperature, self.reference_temperature, self.melting_temperature, self.m
+        )
+        strain_factor = self.A + self.B * power
         return floored(
             FlowStress(
-                strain_term * rate_term * thermal_term,
-                self.B * power_slope * rate_term * thermal_term,
-                strain_term * rate_slope * thermal_term,
+                strain_factor * rate_factor * thermal_factor,
+                self.B * power_slope * rate_factor * thermal_factor,
+                strain_factor * rate_slope * thermal_factor,
+                strain_factor * rate_factor * thermal_slope,
             ),
             self.FLOOR * self.A,
         )

@@ -47,7 +47,13 @@ class Voce(LawModel):
         saturation = self.saturation_stress * softened
         linear = self.linear_hardening * softened
 
-        decay = (saturation - initial) * np.exp(-self.exponent * eqps)
+        left = np.exp(-self.exponent * eqps)
+        decay = (saturation - initial) * left
         value = saturation - decay + linear * eqps
         slope = self.exponent * decay + linear
-        return floored(FlowStress(value, slope, np.zeros_like(value)), self.FLOOR * self.yield_stress)
+        initial_by_temperature = -self.flow_stress_softening * self.yield_stress
+        hardened = self.saturation_stress * (1.0 - left) + self.linear_hardening * eqps
+        by_temperature = initial_by_temperature * left - self.hardening_softening * hardened
+        return floored(
+            FlowStress(value, slope, np.zeros_like(value), by_temperature), self.FLOOR * self.yield_stress
+        )

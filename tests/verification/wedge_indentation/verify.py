@@ -1,4 +1,4 @@
-"""Hardness, contact length and force of the wedge: three meshes, two steps, two stiffnesses, two wedges."""
+"""Hardness, contact length and force of the wedge: three meshes, two steps, three stiffnesses, two wedges."""
 
 from __future__ import annotations
 
@@ -91,6 +91,8 @@ def main() -> None:
         (0.01, 60.0, 200, YOUNG),
         (0.01, 60.0, 100, 10.0 * YOUNG),
         (0.01, 75.0, 100, YOUNG),
+        (0.006, 75.0, 100, YOUNG),
+        (0.01, 75.0, 100, 4.0 * YOUNG),
     ):
         result = indented(fine, semi_angle, steps, 0.1 if semi_angle == 60.0 else 0.05, young)
         row = {"fine": fine, "semi_angle": semi_angle, "steps": steps, "young": young}
