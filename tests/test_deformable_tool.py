@@ -95,7 +95,7 @@ def test_restored_run_goes_on_with_the_same_bits() -> None:
 @pytest.mark.parametrize("points", ["nodes", "edges"])
 def test_friction_heats_the_tool_and_the_heat_ledger_closes(points: str) -> None:
     """Perfect conductance: both sides of the interface are equally hot, within the mesh."""
-    contact = {"friction": 0.2, "conductance": 1e6}
+    contact = {"friction": 0.2, "conductance": 1e6, "reference_speed": 20.0}
     method = advanced(deformable(contact=contact, contact_points=points), STEPS)
     own = method.own_measures()
     assert abs(own["heat_error"]) < 0.01
