@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 from problems import advanced, cut_problem
 
 from pfemcut.case.cutting import TOOL
+from pfemcut.output.vtu import FieldWriter, read_last_frame
 from pfemcut.pfem.method import PfemMethod
 from pfemcut.problem import Problem
 from pfemcut.results.derived.columns import derived_columns
@@ -113,3 +115,19 @@ def test_elastic_plastic_tool_yields_where_it_is_soft() -> None:
     method = advanced(deformable(material), 25)
     (block,) = method.frame().tool_blocks
     assert block.cell_fields["equivalent_plastic_strain"].max() > 1e-3
+
+
+def test_tool_s_fields_are_written_and_read_back(tmp_path: Path) -> None:
+    frame = soft().frame()
+    FieldWriter(tmp_path).write(frame)
+    (written,), (read,) = frame.tool_blocks, read_last_frame(tmp_path).tool_blocks
+    np.testing.assert_allclose(read.points, written.points, rtol=0, atol=1e-12)
+    np.testing.assert_array_equal(read.cells, written.cells)
+    for name in ("temperature", "displacement"):
+        np.testing.assert_allclose(read.point_fields[name], written.point_fields[name], rtol=0, atol=1e-12)
+    stress = written.cell_fields["cauchy_stress"]
+    np.testing.assert_allclose(read.cell_fields["cauchy_stress"], stress, rtol=0, atol=1e-9)
+    again = derived_columns(read_last_frame(tmp_path), deformable().cut[0])
+    assert again["tool_max_von_mises"] == pytest.approx(
+        derived_columns(frame, deformable().cut[0])["tool_max_von_mises"]
+    )
