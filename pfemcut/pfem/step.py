@@ -8,30 +8,25 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from meshing.bodies import joined, separated
 from meshing.mesh import Mesh, signed_areas
 from meshing.remesh import RemeshMap
-from meshing.triangulation import BoundaryCrossing, TriangulationFailed
 from pfemcut.allocator import keep_freed_memory
 from pfemcut.fem.heat_system import HeatKernels, HeatSolveFailed
 from pfemcut.fem.momentum_system import MomentumKernels
 from pfemcut.fem.partition import Partition
 from pfemcut.materials.return_mapping import ReturnMappingFailed
-from pfemcut.method import CutEnded, RunStopped
+from pfemcut.method import RunStopped
 from pfemcut.pfem import energies
 from pfemcut.pfem.bodies import moduli, thermal_strains
-from pfemcut.pfem.body_contact import deformable_tools, force_within, surfaces_around
-from pfemcut.pfem.conservation import restore_heat
+from pfemcut.pfem.body_contact import deformable_tools, force_within
 from pfemcut.pfem.kinematics import element_mean
 from pfemcut.pfem.loads import nodal_loads, part_particles
 from pfemcut.pfem.mechanics import Motion, PlasticUpdate, solve_motion, update_plasticity
 from pfemcut.pfem.newton import StepFailed
-from pfemcut.pfem.particles import remesh_particles
-from pfemcut.pfem.prediction import predict
-from pfemcut.pfem.state import Clock, Fields, Ledger, State, joined_fields, separated_fields, separated_states
+from pfemcut.pfem.particle_step import first_iterate, particle_step
+from pfemcut.pfem.state import Clock, Fields, Ledger, State
 from pfemcut.pfem.step_size import flow_change, next_step
 from pfemcut.pfem.thermal import Heating, solve_heat
-from pfemcut.pfem.transfer import carry_volume, transfer_fields
 from pfemcut.problem import HeatSource, Problem
 from pfemcut.timing import Stopwatch
 from pfemcut.tools.heat_block import HeatBlock
@@ -107,7 +102,7 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
         If the body touches itself.
     """
     # Box 1: the particles are where the last step moved them; remove, insert, triangulate, transfer.
-    mesh, fields, remesh_map = _particle_step(problem, state, watch)
+    mesh, fields, remesh_map = particle_step(problem, state, watch)
     wished = step = _step_length(problem, state.clock)
     cuts = 0
     with watch.phase("mesh"):
@@ -122,7 +117,7 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
                     partition,
                     mesh,
                     fields,
-                    _predicted(problem, state, mesh, fields, step, steady=cuts == 0),
+                    first_iterate(problem, state, mesh, fields, step, steady=cuts == 0),
                     start_time=state.clock.time,
                     step=step,
                     last_step=state.clock.last_dt,
@@ -213,68 +208,6 @@ def _step_length(problem: Problem, clock: Clock) -> float:
     if remaining <= clock.next_dt * (1.0 + 1e-9):
         return remaining
     return min(clock.next_dt, 0.5 * remaining)
-
-
-def _particle_step(
-    problem: Problem, state: State, watch: Stopwatch
-) -> tuple[Mesh, Fields, tuple[RemeshMap, ...]]:
-    parts = problem.alone
-    meshes: list[Mesh] = []
-    carried: list[Fields] = []
-    maps: list[RemeshMap] = []
-    next_id = state.mesh.next_id
-    first_parts = [alone.first_part for alone in parts]
-    separate = zip(
-        parts,
-        separated(state.mesh, first_parts),
-        separated_fields(state.fields, state.mesh),
-        strict=True,
-    )
-    for number, (part, old, held) in enumerate(separate):
-        alone = part.problem
-        if not (problem.particles.remesh and alone.body.remesh):
-            unchanged = np.ones(len(old.cells), dtype=bool)
-            meshes.append(old)
-            carried.append(carry_volume(alone, old, held, unchanged))
-            continue
-        old = replace(old, next_id=next_id)
-        with watch.phase("particles"):
-            try:
-                around = surfaces_around(problem, state.mesh, state.clock.time, number)
-                new, remesh_map = remesh_particles(alone, old, held, around, state.clock, state.probes)
-            except (BoundaryCrossing, TriangulationFailed) as failure:
-                what = f"{alone.body.name} after step {state.clock.step}"
-                if isinstance(failure, BoundaryCrossing) and problem.cut:
-                    raise CutEnded(f"{what} touches itself: {failure}") from failure
-                raise RunStopped(f"{what} can't be triangulated: {failure}") from failure
-        with watch.phase("transfer"):
-            fields = transfer_fields(held, old, new, remesh_map, problem.particles.transfer)
-            fields = carry_volume(alone, new, fields, remesh_map.unchanged)
-            carried.append(restore_heat(alone, old, held, new, fields, remesh_map))
-        next_id = new.next_id
-        meshes.append(new)
-        maps.append(remesh_map)
-    return joined(meshes, first_parts), joined_fields(carried), tuple(maps)
-
-
-def _predicted(
-    problem: Problem, state: State, mesh: Mesh, fields: Fields, step: float, *, steady: bool
-) -> Array:
-    """First iterate of the step, body by body; shape (n, 3)."""
-    first_parts = [alone.first_part for alone in problem.alone]
-    tools = {tool.body for tool in problem.tool}
-    guesses = [
-        # A tool just goes on.
-        predict(alone.problem, last, new, held, step, steady=steady and alone.problem.body.name not in tools)
-        for alone, last, new, held in zip(
-            problem.alone,
-            separated_states(state, first_parts),
-            separated(mesh, first_parts),
-            separated_fields(fields, mesh),
-            strict=True,
-        )
-    ]
-    return guesses[0] if len(guesses) == 1 else np.concatenate(guesses)
 
 
 def _why(state: State, mesh: Mesh, fields: Fields, step: float, failure: Exception) -> str:
