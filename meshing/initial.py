@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -30,10 +30,14 @@ class Arc:
         The side that starts at this corner.
     centre
         Centre of the circle (mm).
+    circumscribed
+        Whether its edges touch the circle in their middles, instead of joining points on it; the ends of the side stay
+        on the circle. For contact, which sees a smooth curve through the middles of the edges.
     """
 
     side: int
     centre: tuple[float, float]
+    circumscribed: bool = False
 
 
 def outline_mesh(corners: Array, sizes: SizeField, parts: IntArray, arcs: tuple[Arc, ...] = ()) -> Mesh:
@@ -69,9 +73,31 @@ def outline_mesh(corners: Array, sizes: SizeField, parts: IntArray, arcs: tuple[
         # Later gmsh versions hand over one argument more.
         gmsh.model.mesh.setSizeCallback(lambda _d, _t, x, y, *_: float(sizes(np.array([[x, y]]))[0]))
         gmsh.model.mesh.generate(2)
-        return _collect(gmsh.model.mesh, sides, parts)
+        mesh = _collect(gmsh.model.mesh, sides, parts)
     finally:
         gmsh.finalize()
+    for arc in arcs:
+        if arc.circumscribed:
+            ends = corners[arc.side], corners[(arc.side + 1) % len(corners)]
+            mesh = _circumscribed(mesh, *ends, np.asarray(arc.centre))
+    return mesh
+
+
+def _circumscribed(mesh: Mesh, corner: Array, next_corner: Array, centre: Array) -> Mesh:
+    """``mesh`` with the particles between two corners of its boundary moved off the circle round ``centre``."""
+    boundary = mesh.boundary
+    at = mesh.points[boundary.particles]
+    first = int(np.argmin(np.hypot(*(at - corner).T)))
+    last = int(np.argmin(np.hypot(*(at - next_corner).T)))
+    entries = [first]
+    while entries[-1] != last:
+        entries.append(int(boundary.following[entries[-1]]))
+    offset = at[entries] - centre
+    angle = np.unwrap(np.arctan2(offset[:, 1], offset[:, 0]))
+    half = 0.25 * np.abs(angle[2:] - angle[:-2])  # half of the mean angle of the two edges at each particle
+    points = mesh.points.copy()
+    points[boundary.particles[entries[1:-1]]] = centre + offset[1:-1] / np.cos(half)[:, None]
+    return replace(mesh, points=points)
 
 
 def _collect(mesh: Any, sides: list[int], parts: IntArray) -> Mesh:

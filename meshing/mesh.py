@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,6 +70,8 @@ class Mesh:
         Persistent identity of each particle; shape (n,).
     next_id
         Identity of the next particle to be born.
+    first_particles, first_cells
+        First particle and first cell of each body; those of a body lie together; shape (bodies,).
     """
 
     points: Array
@@ -77,6 +79,23 @@ class Mesh:
     boundary: Boundary
     ids: IntArray
     next_id: int
+    first_particles: IntArray = field(default_factory=lambda: np.zeros(1, dtype=np.int64))
+    first_cells: IntArray = field(default_factory=lambda: np.zeros(1, dtype=np.int64))
+
+    @property
+    def particle_ranges(self) -> tuple[slice, ...]:
+        """Particles of each body."""
+        return _ranges(self.first_particles, len(self.points))
+
+    @property
+    def cell_ranges(self) -> tuple[slice, ...]:
+        """Cells of each body."""
+        return _ranges(self.first_cells, len(self.cells))
+
+
+def _ranges(first: IntArray, count: int) -> tuple[slice, ...]:
+    ends = [*first[1:].tolist(), count]
+    return tuple(slice(a, b) for a, b in zip(first.tolist(), ends, strict=True))
 
 
 def signed_areas(points: Array, cells: IntArray) -> Array:

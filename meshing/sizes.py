@@ -97,6 +97,13 @@ class SizeField:
             np.minimum(size, zone.size + zone.growth * zone.region.distance(points), out=size)
         return size
 
+    def scaled(self, factor: float) -> SizeField:
+        """The size field with all spacings times ``factor``."""
+        return SizeField(
+            tuple(replace(zone, size=factor * zone.size, growth=factor * zone.growth) for zone in self.zones),
+            factor * self.far_size,
+        )
+
     def moved(self, shift: Array) -> SizeField:
         """The size field carried along by ``shift`` (2,), as when it follows the tool."""
         return SizeField(

@@ -6,7 +6,7 @@ The driver writes history, fields, checkpoints and reports from these alone, so 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
@@ -70,11 +70,23 @@ class ContactView:
 
 @dataclass(frozen=True)
 class Block:
-    """A meshed tool: particle positions (mm; (n, 2)), triangles (m, 3), and fields on particles by standard name."""
+    """A meshed tool or another body.
+
+    Attributes
+    ----------
+    points, cells
+        Particle positions (mm; (n, 2)) and triangles (m, 3).
+    point_fields, cell_fields
+        Fields by standard name. ``displacement`` of a deformable tool is that from where it would be without load.
+    name
+        Of the body.
+    """
 
     points: Array
     cells: IntArray
     point_fields: Mapping[str, NDArray[np.generic]]
+    cell_fields: Mapping[str, Array] = field(default_factory=dict)
+    name: str = "tool"
 
 
 @dataclass(frozen=True)
@@ -103,6 +115,8 @@ class Frame:
         Particles in contact with the tool.
     tool_blocks
         Meshes of the tools that have one.
+    others
+        Bodies besides the first that are no tools.
     """
 
     step: int
@@ -116,6 +130,7 @@ class Frame:
     tool: tuple[RigidWedge, ...]
     contact: ContactView
     tool_blocks: tuple[Block, ...] = ()
+    others: tuple[Block, ...] = ()
 
 
 class Method(Protocol):

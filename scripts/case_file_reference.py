@@ -66,18 +66,27 @@ def page() -> str:
 def _sections(model: type[BaseModel], level: int, name: str = "") -> list[str]:
     """A model's own keys, then its tables, each with its heading."""
     fields = model.model_fields
-    tables = {key: table for key, field in fields.items() if (table := _model(field)) is not None}
+    tables = {key: found for key, field in fields.items() if (found := _models(field.annotation))}
     own = {key: field for key, field in fields.items() if key not in tables}
     parts = [_table(own)] if own else []
-    for key, table in tables.items():
+    for key, found in tables.items():
         path = f"{name}.{key}" if name else key
-        shown = f"[[{path}]]" if _many(fields[key]) else f"[{path}]"
-        needed = "" if fields[key].is_required() else " It may be left out."
-        parts += [
-            f"\n{'#' * level} {shown}\n",
-            f"{(table.__doc__ or '').strip()}{needed}\n",
-            *_sections(table, level + 1, path),
-        ]
+        for at, (table, many) in enumerate(found):
+            if at and issubclass(table, found[0][0]):
+                own_keys = {k: f for k, f in table.model_fields.items() if k not in found[0][0].model_fields}
+                parts += [
+                    f"\n{'#' * level} [[{path}]]\n",
+                    f"{(table.__doc__ or '').strip()} The keys of [{path}], and\n",
+                    _table(own_keys),
+                ]
+                continue
+            shown = f"[[{path}]]" if many else f"[{path}]"
+            needed = "" if fields[key].is_required() else " It may be left out."
+            parts += [
+                f"\n{'#' * level} {shown}\n",
+                f"{(table.__doc__ or '').strip()}{needed}\n",
+                *_sections(table, level + 1, path),
+            ]
     for key, field in own.items():
         for table in _alternatives(field):
             path = f"{name}.{key}" if name else key
@@ -105,15 +114,17 @@ def _table(fields: dict[str, FieldInfo]) -> str:
     return "\n".join(lines)
 
 
-def _model(field: FieldInfo) -> type[BaseModel] | None:
-    """The model of a table or of a list of tables, if the field is one and nothing else."""
-    kinds = [each for each in _inner(field.annotation) if each not in (type(None), Ellipsis)]
-    models = [each for each in kinds if isinstance(each, type) and issubclass(each, BaseModel)]
-    return models[0] if len(models) == len(kinds) == 1 else None
-
-
-def _many(field: FieldInfo) -> bool:
-    return get_origin(field.annotation) is tuple
+def _models(annotation: Any) -> list[tuple[type[BaseModel], bool]]:
+    """The models of a field that holds tables and nothing else, and whether each is that of a list of tables."""
+    if get_origin(annotation) is Annotated:
+        return _models(get_args(annotation)[0])
+    if get_origin(annotation) is tuple:
+        return [(model, True) for model, _ in _models(get_args(annotation)[0])]
+    if get_origin(annotation) in (Union, UnionType):
+        found = [_models(each) for each in get_args(annotation) if each is not type(None)]
+        return [pair for each in found for pair in each] if all(found) else []
+    is_model = isinstance(annotation, type) and issubclass(annotation, BaseModel)
+    return [(annotation, False)] if is_model else []
 
 
 def _inner(annotation: Any) -> tuple[Any, ...]:

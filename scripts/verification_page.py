@@ -35,8 +35,21 @@ GROUPS = {
         "cook_membrane",
         "necking",
     ),
-    "Contact and friction": ("contact_patch", "hertz", "wedge_indentation", "sliding_block"),
-    "Heat": ("heat_flux_half_space", "moving_line_source", "moving_band_source", "two_body_conduction"),
+    "Contact and friction": (
+        "contact_patch",
+        "hertz",
+        "wedge_indentation",
+        "sliding_block",
+        "two_body_patch",
+        "two_body_hertz",
+    ),
+    "Heat": (
+        "heat_flux_half_space",
+        "moving_line_source",
+        "moving_band_source",
+        "two_body_conduction",
+        "two_body_heat",
+    ),
     "Remeshing": ("transfer",),
 }
 HEAD = "| Figure | Computed | Reference | Difference |\n|---|---|---|---|"

@@ -255,6 +255,8 @@ def start_on(problem: Problem, mesh: Mesh) -> PfemMethod:
         "mesh/boundary/particles": mesh.boundary.particles,
         "mesh/boundary/parts": mesh.boundary.parts,
         "mesh/boundary/starts": mesh.boundary.starts,
+        "mesh/first_particles": mesh.first_particles,
+        "mesh/first_cells": mesh.first_cells,
     }
     return PfemMethod.restore(problem, arrays)
 

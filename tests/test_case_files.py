@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pfemcut.case.check import warnings
 from pfemcut.case.cutting import cutting_problem, size_field, starting_tool
 from pfemcut.case.load import CaseError, load_case, overridden, resolved_toml
 from pfemcut.case.schema import Case, Mesh, Section
@@ -132,7 +133,8 @@ def test_a_material_file_is_sought_beside_the_case(tmp_path: Path, case_file: Pa
         ("tool.tip_radius=0.0", "[tool] tip_radius: given 0.0, must be greater than 0"),
         ("tool.rake=45.0", "[tool] rake: given 45.0, must be less than 45"),
         ("tool.clearance=0.0", "[tool] clearance: given 0.0, must be greater than 0"),
-        ("tool.model=deformable", "[tool] model: 'deformable' is not available yet"),
+        ("tool.model=deformable", "[tool] model: 'deformable' needs a table [tool.body]"),
+        ('tool.body={ material = "aisi4340" }', "[tool] body: only of a deformable tool"),
         ("tool.model=soft", "[tool] model: given 'soft', must be 'rigid'"),
         ("method=sph", "method: 'sph' is not available yet"),
         ("problem=turning", "problem: given 'turning', must be 'cutting'"),
@@ -213,6 +215,14 @@ def test_a_file_that_can_not_be_read_says_why(tmp_path: Path, case_file: Path) -
 def test_an_editor_s_byte_order_mark_does_no_harm(case_file: Path) -> None:
     case_file.write_text(CASE, encoding="utf-8-sig")
     assert load_case(case_file)[0].title == "small cut"
+
+
+def test_a_cut_too_short_to_heat_its_tool_is_warned_of(case_file: Path) -> None:
+    body = 'tool.body={ material = "aisi4340", tip_size = 0.02 }'
+    case, _ = load_case(case_file, ["tool.model=deformable", body, "contact.conductance=1e5"])
+    found = "\n".join(warnings(case))
+    assert "its temperatures are those of a beginning cut" in found
+    assert "[tool.body] tip_size = 0.02 mm resolves the tip radius" in found
 
 
 @pytest.mark.parametrize("name", ["aisi4340", "42cd4", "voce_steel"])

@@ -221,3 +221,67 @@ def test_probes_survive_remeshing() -> None:
     moved = state.mesh.points[at] - start
     own = method.own_measures()
     assert (own["inside_ux"], own["inside_uy"]) == pytest.approx(tuple(moved), abs=1e-12)
+
+
+def two_blocks(**changes: Any) -> dict[str, Any]:
+    """A block on another, of two materials."""
+    lower, upper = (
+        {
+            "name": name,
+            "outline": [[0.0, y], [1.0, y], [1.0, y + 0.5], [0.0, y + 0.5]],
+            "parts": [f"{name} {side}" for side in ("bottom", "right", "top", "left")],
+            "material": {**ELASTIC, "young_modulus": modulus},
+        }
+        for name, y, modulus in (("lower", 0.0, 2e5), ("upper", 0.5, 6e5))
+    )
+    table = general(
+        body=[lower, upper],
+        contact=[{"slave": ["upper bottom"], "master": ["lower top"], "friction": 0.1}],
+        boundary=[
+            {"part": "lower bottom", "displacement": {"x": 0.0, "y": 0.0}},
+            {"part": "upper top", "displacement": {"x": 0.0, "y": {"time": [0, 1], "value": [0, -1e-3]}}},
+        ],
+        probe=[{"name": "above", "point": [0.5, 0.5], "body": "upper"}],
+    )
+    return {**table, **changes}
+
+
+def test_contact_between_bodies_carries_the_load() -> None:
+    method = PfemMethod.start(problem(two_blocks()))
+    while not method.finished:
+        method.advance()
+    own = method.own_measures()
+    assert own["reaction_lower bottom_y"] > 50.0
+    assert own["reaction_lower bottom_y"] == pytest.approx(-own["reaction_upper top_y"], rel=1e-6)
+    assert own["above_uy"] < -1e-4
+    assert abs(method.measure().energy_error) < 0.02
+    frame = method.frame()
+    assert [each.name for each in frame.others] == ["upper"]
+    assert frame.contact.pressure.min() > 0.0
+
+
+def test_a_case_with_two_bodies_reproduces_itself(tmp_path: Path) -> None:
+    case, material = validated(two_blocks(), Path())
+    text = resolved_toml(case, material)
+    (tmp_path / "again.toml").write_text(text, encoding="utf-8")
+    again, same = load_case(tmp_path / "again.toml")
+    assert resolved_toml(again, same) == text
+    assert problem_of(again, same, tmp_path).others[0].material.young_modulus == 6e5
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"contact": [{"slave": ["uper bottom"], "master": ["lower top"]}]}, "unknown 'uper bottom'"),
+        ({"contact": [{"slave": ["upper bottom"]}]}, "master: missing"),
+        ({"probe": [{"name": "a", "point": [0.0, 0.0], "body": "middle"}]}, "unknown 'middle'"),
+        (
+            {"tool": {"tip_radius": 0.1, "centre": [0.0, 2.0]}},
+            "[[contact]] between bodies and a rigid [tool] exclude each other",
+        ),
+    ],
+)
+def test_mistakes_in_contact_between_bodies_are_named(changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(CaseError, match=".*") as caught:
+        problem(two_blocks(**changes))
+    assert message in str(caught.value)

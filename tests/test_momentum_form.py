@@ -85,12 +85,14 @@ def momentum_system(thermal_strain: Array, mesh: Mesh = MESH) -> Iterator[Moment
     momentum = kernels().momentum
     partition = Partition(MPI.COMM_WORLD, mesh.points, mesh.cells)
     fixed = np.zeros((len(mesh.points), 3), dtype=bool)
+    moduli = np.tile([MU, KAPPA], (len(mesh.cells), 1))
     with MomentumSystem(
         momentum,
         partition,
         mesh.points,
         fixed,
-        (MU, KAPPA, ALPHA_S),
+        moduli,
+        ALPHA_S,
         thermal_strain,
         SETTLED,
         symmetric=False,

@@ -12,7 +12,9 @@ from pfemcut.case.cutting import cutting_problem
 from pfemcut.case.general import general_problem
 from pfemcut.case.general_schema import GeneralCase
 from pfemcut.case.load import AnyCase, initial_temperature
+from pfemcut.case.schema import Case
 from pfemcut.case.sections import Contact
+from pfemcut.materials.load import load_material
 from pfemcut.materials.material import Material
 
 
@@ -31,6 +33,14 @@ def figures(case: AnyCase, material: Material, base_directory: Path) -> list[tup
         (
             "tool",
             f"{tool.model}, rake {tool.rake:g}, clearance {tool.clearance:g} degrees, tip {tool.tip_radius:g} mm",
+        ),
+        *(
+            (
+                "tool body",
+                f"{body.material.name}, {given.width:g} x {given.height:g} mm, held at {given.supports}",
+            )
+            for body, given in zip(problem.others, (tool.body,), strict=False)
+            if given is not None
         ),
         ("cut", f"{cutting.depth:g} mm deep, {cutting.travel:g} mm at {cutting.speed:g} mm/s"),
         ("friction", _friction(case.contact)),
@@ -65,7 +75,11 @@ def _general_figures(case: GeneralCase, material: Material, base_directory: Path
     return [
         ("title", problem.title),
         ("material", f"{material.name}, initially at {problem.body.temperature:g} K"),
-        ("parts", ", ".join(dict.fromkeys(problem.body.parts))),
+        *(
+            (each.name, f"{each.material.name}, initially at {each.temperature:g} K")
+            for each in problem.others
+        ),
+        ("parts", ", ".join(dict.fromkeys(problem.parts))),
         ("integrator", case.time.integrator),
         ("steps", f"about {case.time.end / case.time.step:.0f} of {case.time.step:g} s"),
         ("spacing", f"{case.mesh.size:g} mm, {len(case.mesh.refine)} finer regions"),
@@ -119,7 +133,32 @@ def warnings(case: AnyCase) -> list[str]:
             f"[cutting] travel = {cutting.travel:g} mm is too short for steady means (0.1 mm behind the first 0.2)",
         ),
     ]
-    return [text for unwise, text in checks if unwise]
+    return [text for unwise, text in checks if unwise] + _tool_warnings(case)
+
+
+def _tool_warnings(case: Case) -> list[str]:
+    """What a short cut can't tell of a tool that takes heat, and a mesh of the tool that is coarse."""
+    given = case.tool.body
+    found: list[str] = []
+    if given is None:
+        return found
+    if given.tip_size > case.tool.tip_radius / 3.0:
+        found.append(
+            f"[tool.body] tip_size = {given.tip_size:g} mm resolves the tip radius of "
+            f"{case.tool.tip_radius:g} mm poorly; advised: at most a third, {case.tool.tip_radius / 3.0:.3g}"
+        )
+    if case.contact.conductance == 0.0:
+        return found
+    material, start = load_material(given.material, Path()), np.array([case.tool.temperature])
+    capacity = material.density * material.capacity(start)[0]
+    lasts = case.cutting.travel / case.cutting.speed
+    depth = 2.0 * math.sqrt(material.conductivity(start)[0] / capacity * lasts)
+    if depth < 0.5 * min(given.width, given.height):
+        found.append(
+            f"[cutting] travel lasts {lasts:.2g} s, in which heat comes about {depth:.2g} mm far into the tool: "
+            "its temperatures are those of a beginning cut"
+        )
+    return found
 
 
 def particle_estimate(sizes: SizeField, length: float, height: float) -> float:

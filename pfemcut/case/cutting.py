@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
+from meshing.initial import Arc
 from meshing.sizes import Box, Capsule, SizeField, SizeZone
 from pfemcut.case.controls import (
     contact_law,
@@ -14,16 +18,24 @@ from pfemcut.case.controls import (
     time_controls,
 )
 from pfemcut.case.load import initial_temperature
-from pfemcut.case.schema import Case, Cutting, Mesh, Tool
+from pfemcut.case.schema import Case, Cutting, Mesh, Tool, ToolBody
+from pfemcut.materials.load import load_material
 from pfemcut.materials.material import Material
 from pfemcut.problem import (
     Axis,
     Body,
+    ContactIntegration,
+    ContactPair,
     Cut,
+    PrescribedMotion,
     Problem,
+    Schedule,
     fixed,
 )
 from pfemcut.tools.rigid_wedge import RigidWedge
+
+TOOL = "tool"
+"""Name of the body of a deformable tool."""
 
 
 def cutting_problem(case: Case, material: Material) -> Problem:
@@ -36,6 +48,10 @@ def cutting_problem(case: Case, material: Material) -> Problem:
     length, height = case.workpiece.length, case.workpiece.height
     tool = starting_tool(case)
     mesh = case.mesh
+    velocity = (-case.cutting.speed, 0.0)
+    moving = moving_tool(tool, velocity, case.tool)
+    given = case.tool.body
+    end = case.cutting.travel / case.cutting.speed
     return Problem(
         title=case.title or f"Cutting of {material.name}",
         body=Body(
@@ -49,13 +65,24 @@ def cutting_problem(case: Case, material: Material) -> Problem:
             fixed("bottom", Axis.X),
             fixed("bottom", Axis.Y),
             fixed("fixed", Axis.X),
+            *(() if given is None else support_motions(given.supports, velocity, end)),
         ),
-        tool=(moving_tool(tool, (-case.cutting.speed, 0.0), case.tool),),
+        tool=(moving if given is None else replace(moving, body=TOOL),),
+        others=() if given is None else (tool_body(case, given, tool, velocity),),
+        pairs=()
+        if given is None
+        else (
+            ContactPair(
+                slave=("side", "top", "bottom", "fixed"),
+                master=("tool_rake", "tool_tip", "tool_flank"),
+                law=contact_law(case.contact),
+                integration=ContactIntegration(given.contact_points),
+                smooth=given.smooth,
+            ),
+        ),
         contact=contact_law(case.contact),
-        particles=particle_controls(
-            mesh, size_field(mesh, tool, case.cutting.depth, height), (-case.cutting.speed, 0.0)
-        ),
-        time=time_controls(case.time, case.cutting.travel / case.cutting.speed),
+        particles=particle_controls(mesh, size_field(mesh, tool, case.cutting.depth, height), velocity),
+        time=time_controls(case.time, end),
         newton=newton_controls(case.solver),
         stabilisation=case.solver.stabilisation,
         stabilisation_modulus=stabilisation_modulus(case.solver, mesh),
@@ -71,6 +98,47 @@ def starting_tool(case: Case) -> RigidWedge:
         case.workpiece.height - cutting.depth + tool.tip_radius,
     )
     return RigidWedge(centre, tool.rake, tool.clearance, tool.tip_radius)
+
+
+def tool_body(case: Case, given: ToolBody, tool: RigidWedge, velocity: tuple[float, float]) -> Body:
+    """The body of a deformable tool: flank face, back, top, rake face and tip arc, finest at the tip."""
+    x, y = tool.centre
+    back, top = x + given.width, y - tool.tip_radius + given.height
+    foot, heel = tool.rake_tangent_point, tool.flank_tangent_point
+    up, along = tool.rake_direction, tool.flank_direction
+    rake_top = foot + (top - foot[1]) / up[1] * up
+    flank_end = heel + (back - heel[0]) / along[0] * along
+    corners = (heel, flank_end, (back, top), rake_top, foot)
+    face = foot + 3.0 * case.cutting.depth * up
+    zones = (
+        SizeZone(Capsule(tool.centre, tool.centre, tool.tip_radius), given.tip_size, given.growth),
+        SizeZone(Capsule(_pair(foot), _pair(face), 0.0), given.face_size, given.growth),
+    )
+    return Body(
+        name=TOOL,
+        outline=tuple(_pair(corner) for corner in corners),
+        parts=("tool_flank", "tool_back", "tool_top", "tool_rake", "tool_tip"),
+        material=load_material(given.material, Path(), section="tool.body.material"),
+        temperature=case.tool.temperature,
+        velocity=velocity,
+        arcs=(Arc(4, tool.centre, circumscribed=given.smooth),),
+        remesh=False,
+        sizes=(SizeField(zones, 0.25 * min(given.width, given.height)),),
+    )
+
+
+def support_motions(supports: str, velocity: tuple[float, float], end: float) -> tuple[PrescribedMotion, ...]:
+    """The sides that a tool is held at move with it until the time ``end`` (s)."""
+    return tuple(
+        PrescribedMotion(part, axis, Schedule((0.0, end), (0.0, speed * end)))
+        for name, part in (("top", "tool_top"), ("back", "tool_back"))
+        if name in supports
+        for axis, speed in zip((Axis.X, Axis.Y), velocity, strict=True)
+    )
+
+
+def _pair(point: Any) -> tuple[float, float]:
+    return float(point[0]), float(point[1])
 
 
 def leading_reach(tool: Tool, cutting: Cutting) -> float:

@@ -25,10 +25,14 @@ from pfemcut.case.general_schema import (
     TimeTable,
 )
 from pfemcut.case.load import CaseError
+from pfemcut.case.sections import Contact
+from pfemcut.materials.load import load_material
 from pfemcut.materials.material import Material
 from pfemcut.problem import (
     Axis,
     Body,
+    ContactIntegration,
+    ContactPair,
     Convection,
     DistributedForce,
     HeatFlux,
@@ -54,19 +58,36 @@ def general_problem(case: GeneralCase, material: Material, base_directory: Path)
     CaseError
         If a mesh file can't be used, or a boundary names a part that it does not have.
     """
-    table = case.body[0]
-    body = _body(table, material, base_directory)
-    given = [boundary for boundary in case.boundary if boundary.part not in body.parts]
-    if given:
-        known = ", ".join(f"'{part}'" for part in body.parts)
-        raise CaseError([f"[[boundary]] part: unknown '{each.part}'; allowed: {known}" for each in given])
+    body = _body(case.body[0], material, case.mesh, base_directory)
+    others = tuple(
+        _body(table, load_material(table.material, base_directory), case.mesh, base_directory)
+        for table in case.body[1:]
+    )
+    names = [part for each in (body, *others) for part in dict.fromkeys(each.parts)]
+    pairs = case.contact if isinstance(case.contact, tuple) else ()
+    used = [("[[boundary]] part", side.part) for side in case.boundary]
+    used += [("[[contact]] slave", part) for pair in pairs for part in pair.slave]
+    used += [("[[contact]] master", part) for pair in pairs for part in pair.master]
+    unknown = [(key, part) for key, part in used if part not in names]
+    if unknown:
+        known = ", ".join(f"'{part}'" for part in names)
+        raise CaseError([f"{key}: unknown '{part}'; allowed: {known}" for key, part in unknown])
+    if len(set(names)) < len(names):
+        raise CaseError(["[[body]] parts: bodies must not share names of boundary parts"])
     sides = case.boundary
     return Problem(
         title=case.title or body.name,
         body=body,
         motions=tuple(motion for side in sides for motion in _motions(side, case.time.end)),
         tool=() if case.tool is None else (_moving_tool(case),),
-        contact=contact_law(case.contact),
+        contact=contact_law(Contact() if isinstance(case.contact, tuple) else case.contact),
+        others=others,
+        pairs=tuple(
+            ContactPair(
+                pair.slave, pair.master, contact_law(pair), ContactIntegration(pair.points), pair.smooth
+            )
+            for pair in pairs
+        ),
         particles=particle_controls(case.mesh, size_field(case.mesh), case.mesh.velocity),
         time=time_controls(case.time, case.time.end),
         newton=newton_controls(case.solver),
@@ -93,7 +114,10 @@ def general_problem(case: GeneralCase, material: Material, base_directory: Path)
             for side in sides
             if side.convection
         ),
-        probes=tuple(Probe(each.name, each.point) for each in case.probe),
+        probes=tuple(
+            Probe(each.name, each.point, [body.name for body in case.body].index(each.body or body.name))
+            for each in case.probe
+        ),
     )
 
 
@@ -108,14 +132,16 @@ def size_field(mesh: GeneralMesh) -> SizeField:
     )
 
 
-def _body(table: BodyTable, material: Material, base_directory: Path) -> Body:
+def _body(table: BodyTable, material: Material, spacing: GeneralMesh, base_directory: Path) -> Body:
     temperature = material.reference_temperature if table.temperature is None else table.temperature
     if table.mesh is not None:
         try:
             mesh, parts = read_mesh(base_directory / table.mesh)
         except MeshFileError as error:
             raise CaseError([f"[[body]] mesh: {error}"]) from error
-        return Body(table.name, (), parts, material, temperature, table.velocity, given=(mesh,))
+        return Body(
+            table.name, (), parts, material, temperature, table.velocity, given=(mesh,), remesh=table.remesh
+        )
     return Body(
         table.name,
         table.outline or (),
@@ -124,6 +150,8 @@ def _body(table: BodyTable, material: Material, base_directory: Path) -> Body:
         temperature,
         table.velocity,
         tuple(Arc(arc.side, arc.centre) for arc in table.arcs),
+        remesh=table.remesh,
+        sizes=() if table.coarser == 1.0 else (size_field(spacing).scaled(table.coarser),),
     )
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from pfemcut.case.sections import (
     Contact,
@@ -28,6 +28,7 @@ def _as_tuple(value: Any) -> Any:
 
 Point = Annotated[tuple[float, float], BeforeValidator(_as_tuple)]
 Numbers = Annotated[tuple[float, ...], BeforeValidator(_as_tuple)]
+Names = Annotated[tuple[str, ...], BeforeValidator(_as_tuple)]
 
 
 class TimeTable(Section):
@@ -99,6 +100,10 @@ class BodyTable(Section):
         description="Initial temperature (K); the material's reference temperature unless given",
     )
     velocity: Point = Field(default=(0.0, 0.0), description="Initial velocity, with inertia (mm/s)")
+    coarser: float = Field(
+        default=1.0, gt=0, description="Factor on the spacing of [mesh] in the first mesh of this body"
+    )
+    remesh: bool = Field(default=True, description="Whether this body is triangulated anew, if [mesh] remesh")
 
     @model_validator(mode="after")
     def _has_one_geometry(self) -> Self:
@@ -204,11 +209,38 @@ class GeneralTime(Time):
     )
 
 
+class PairTable(Contact):
+    """Contact between boundary parts of two bodies."""
+
+    slave: Names = Field(min_length=1, description="Boundary parts whose particles are held off the others")
+    master: Names = Field(min_length=1, description="Boundary parts of another body that they touch")
+    points: Literal["nodes", "edges"] = Field(
+        default="edges",
+        description="Where contact acts: at the slave's particles, or at Gauss points of its edges",
+    )
+    smooth: bool = Field(
+        default=False,
+        description="Whether the master is a smooth curve through its particles, or its edges",
+    )
+
+
+def _one_or_more(value: Any) -> str:
+    return "pairs" if isinstance(value, list | tuple) else "one law"
+
+
+Contacts = Annotated[
+    Annotated[Contact, Tag("one law")]
+    | Annotated[tuple[PairTable, ...], BeforeValidator(_as_tuple), Tag("pairs")],
+    Discriminator(_one_or_more),
+]
+
+
 class ProbeTable(Section):
     """A particle to follow: the one nearest the point at the start."""
 
     name: str = Field(pattern=r"^[A-Za-z]\w*$", description="Name of the columns in history.csv")
     point: Point = Field(description="Position at time zero (mm)")
+    body: str = Field(default="", description="Name of the body whose particle it is; the first unless given")
 
 
 class GeneralCase(Section):
@@ -218,13 +250,16 @@ class GeneralCase(Section):
     problem: Literal["general"] = Field(description="Kind of problem")
     method: Method = Field(default="pfem", description="Numerical method")
     body: Annotated[tuple[BodyTable, ...], BeforeValidator(_as_tuple)] = Field(
-        min_length=1, max_length=1, description="Table [[body]]: the deforming body"
+        min_length=1, description="Tables [[body]]: the deforming bodies, whose boundary parts differ in name"
     )
     boundary: Annotated[tuple[BoundaryTable, ...], BeforeValidator(_as_tuple)] = Field(
         default=(), description="Tables [[boundary]]: conditions by part"
     )
     tool: RigidTool | None = Field(default=None, description="Table [tool]: a rigid tool")
-    contact: Contact = Field(default_factory=Contact, description="Table [contact]")
+    contact: Contacts = Field(
+        default_factory=Contact,
+        description="Table [contact]: contact with the tool; or tables [[contact]] between bodies",
+    )
     mesh: GeneralMesh = Field(description="Table [mesh]: particle spacing")
     time: GeneralTime = Field(description="Table [time]: time steps")
     solver: Solver = Field(default_factory=Solver, description="Table [solver]")
@@ -238,9 +273,27 @@ class GeneralCase(Section):
         names = [each.name for each in self.probe]
         if len(set(names)) < len(names):
             raise ValueError("[[probe]] name: must differ from each other")
-        for body in self.body:
-            for boundary in self.boundary:
-                if body.parts is not None and boundary.part not in body.parts:
-                    known = ", ".join(f"'{part}'" for part in dict.fromkeys(body.parts))
-                    raise ValueError(f"[[boundary]] part: unknown '{boundary.part}'; allowed: {known}")
+        bodies = [body.name for body in self.body]
+        if len(set(bodies)) < len(bodies):
+            raise ValueError("[[body]] name: must differ from each other")
+        for each in self.probe:
+            if each.body and each.body not in bodies:
+                raise ValueError(f"[[probe]] body: unknown '{each.body}'")
+        pairs = self.contact if isinstance(self.contact, tuple) else ()
+        if pairs and self.tool is not None:
+            raise ValueError("[[contact]] between bodies and a rigid [tool] exclude each other")
+        # The parts of a mesh file are looked at when it is read.
+        if any(body.parts is None for body in self.body):
+            return self
+        known = [part for body in self.body for part in dict.fromkeys(body.parts or ())]
+        repeated = sorted({part for part in known if known.count(part) > 1})
+        if repeated:
+            raise ValueError(f"[[body]] parts: '{repeated[0]}' names parts of two bodies")
+        used = [("[[boundary]] part", each.part) for each in self.boundary]
+        used += [("[[contact]] slave", part) for pair in pairs for part in pair.slave]
+        used += [("[[contact]] master", part) for pair in pairs for part in pair.master]
+        for key, part in used:
+            if part not in known:
+                allowed = ", ".join(f"'{each}'" for each in known)
+                raise ValueError(f"{key}: unknown '{part}'; allowed: {allowed}")
         return self

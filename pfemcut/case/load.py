@@ -59,6 +59,11 @@ def validated(table: Mapping[str, Any], base_directory: Path) -> tuple[AnyCase, 
         With one line for each problem found.
     """
     problems: list[str] = []
+    # Other materials than the first body's stay in the case, as whole tables: it alone then makes the problem.
+    try:
+        table = _with_materials(table, base_directory)
+    except InputError as error:
+        problems += error.problems
     model: type[Case] | type[GeneralCase] = GeneralCase if table.get("problem") == "general" else Case
     try:
         case = model.model_validate(table)
@@ -74,6 +79,26 @@ def validated(table: Mapping[str, Any], base_directory: Path) -> tuple[AnyCase, 
     if problems:
         raise CaseError(problems)
     return case, material
+
+
+def _with_materials(table: Mapping[str, Any], base_directory: Path) -> Mapping[str, Any]:
+    """``table`` with the materials of a deformable tool and of further bodies written out."""
+
+    def written_out(holder: Any, section: str) -> Any:
+        if not isinstance(holder, Mapping) or not isinstance(holder.get("material"), str | Mapping):
+            return holder
+        return {
+            **holder,
+            "material": material_table(load_material(holder["material"], base_directory, section=section)),
+        }
+
+    tool, bodies = table.get("tool"), table.get("body")
+    if isinstance(tool, Mapping) and "body" in tool:
+        table = {**table, "tool": {**tool, "body": written_out(tool["body"], "tool.body.material")}}
+    if isinstance(bodies, list):
+        others = [written_out(each, f"body.{i}.material") for i, each in enumerate(bodies[1:], 1)]
+        table = {**table, "body": [*bodies[:1], *others]}
+    return table
 
 
 def _material_spec(table: Mapping[str, Any]) -> tuple[Any, str]:
@@ -105,7 +130,7 @@ def overridden(table: Mapping[str, Any], override: str) -> dict[str, Any]:
     def replaced(inside: Any, depth: int) -> Any:
         if depth == len(keys):
             return _value(text)
-        if isinstance(inside, str) and keys[:depth] in (["workpiece", "material"], ["body", "0", "material"]):
+        if isinstance(inside, str) and _is_material(keys[:depth]):
             inside = {"base": inside}
         if isinstance(inside, list):
             if keys[depth] not in map(str, range(len(inside))):
@@ -118,6 +143,13 @@ def overridden(table: Mapping[str, Any], override: str) -> dict[str, Any]:
         return {**inside, keys[depth]: replaced(inside.get(keys[depth], {}), depth + 1)}
 
     return replaced(table, 0)
+
+
+def _is_material(keys: Sequence[str]) -> bool:
+    match list(keys):
+        case ["workpiece", "material"] | ["body", _, "material"] | ["tool", "body", "material"]:
+            return True
+    return False
 
 
 def _value(text: str) -> Any:

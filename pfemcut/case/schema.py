@@ -19,7 +19,6 @@ from pfemcut.case.sections import (
     Time,
     ToolHeat,
     name_or_table,
-    planned,
 )
 
 
@@ -38,15 +37,63 @@ class Workpiece(Section):
     )
 
 
+class ToolBody(Section):
+    """The body of a deformable tool, whose supports move with the cutting speed."""
+
+    material: Annotated[str | dict[str, Any], BeforeValidator(name_or_table)] = Field(
+        description="Name in the library, path to a material file, or a table; elastic or elastic-plastic"
+    )
+    width: float = Field(default=1.0, gt=0, description="From the tip circle's centre to the back (mm)")
+    height: float = Field(
+        default=1.0, gt=0, description="From the lowest point of the tip circle to the top (mm)"
+    )
+    supports: Literal["top and back", "top", "back"] = Field(
+        default="top and back", description="Sides that the tool is held at"
+    )
+    tip_size: float = Field(default=0.004, gt=0, description="Spacing of the mesh at the tip (mm)")
+    face_size: float = Field(
+        default=0.01,
+        gt=0,
+        description="Largest spacing on the first three depths of cut of the rake face (mm)",
+    )
+    growth: float = Field(default=0.15, gt=0, le=1, description="Increase of the spacing per distance")
+    contact_points: Literal["nodes", "edges"] = Field(
+        default="nodes",
+        description="Where contact acts: at the particles of the workpiece, or at Gauss points of its edges",
+    )
+    smooth: bool = Field(
+        default=True,
+        description="Whether contact sees a smooth curve through the tool's particles, or its edges",
+    )
+
+
 class Tool(ToolHeat):
     """The tool: a wedge rounded by a tip circle, advancing towards -x."""
 
-    model: Annotated[Literal["rigid"], planned("deformable")] = Field(
-        default="rigid", description="How the tool is modelled"
+    model: Literal["rigid", "deformable"] = Field(default="rigid", description="How the tool is modelled")
+    body: ToolBody | None = Field(
+        default=None, description="Table [tool.body]: the body of a deformable tool"
     )
     rake: float = Field(default=0.0, gt=-45, lt=45, description="Rake angle (degrees)")
     clearance: float = Field(default=5.0, gt=0, lt=45, description="Clearance angle (degrees)")
     tip_radius: float = Field(gt=0, description="Radius of the tip circle (mm)")
+
+    @model_validator(mode="after")
+    def _has_a_body_if_it_deforms(self) -> Self:
+        wrong = []
+        if self.model == "deformable" and self.body is None:
+            wrong.append("model: 'deformable' needs a table [tool.body]")
+        if self.model == "deformable" and self.conduction is not None:
+            wrong.append("conduction: a deformable tool conducts by its material")
+        if self.model == "rigid" and self.body is not None:
+            wrong.append("body: only of a deformable tool")
+        if self.body is not None and self.body.height <= 2.0 * self.tip_radius:
+            wrong.append(f"body: height must be more than two tip radii, {2.0 * self.tip_radius:g}")
+        if self.body is not None and self.body.width <= 2.0 * self.tip_radius:
+            wrong.append(f"body: width must be more than two tip radii, {2.0 * self.tip_radius:g}")
+        if wrong:
+            raise ValueError("\n".join(wrong))
+        return self
 
 
 class Cutting(Section):

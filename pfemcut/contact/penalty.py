@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pfemcut.contact.friction import Interface
+from pfemcut.contact.surface import Surface
 from pfemcut.problem import ContactLaw
 from pfemcut.tools.rigid_wedge import RigidWedge
 
@@ -120,7 +121,7 @@ def contact_forces(
     )
 
 
-def facing_lengths(tool: RigidWedge, points: Array, edges: IntArray) -> Array:
+def facing_lengths(tool: Surface, points: Array, edges: IntArray) -> Array:
     """Tributary boundary length (mm) of each particle that faces the tool; shape (n,).
 
     Half of each boundary edge at the particle, projected on the tool's tangent there, if the body lies on the far side
@@ -129,7 +130,7 @@ def facing_lengths(tool: RigidWedge, points: Array, edges: IntArray) -> Array:
     Parameters
     ----------
     tool
-        The tool.
+        The tool, or another surface.
     points
         Particle positions (mm); shape (n, 2).
     edges

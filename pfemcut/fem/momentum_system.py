@@ -46,6 +46,7 @@ class MomentumKernels:
                 symbols.thermal_strain: corners,
                 symbols.settled_pressure: corners,
                 symbols.element: ELEMENT_COMPONENTS,
+                symbols.moduli: 2,
             }
         )
         self.residual, self.jacobian = (
@@ -65,7 +66,8 @@ class NodalForces:
     forces
         Force on the body per mm of width (N/mm); shape (k, 2).
     rows, columns
-        Particle pairs that the stiffness couples, edges of the mesh or a particle with itself; shape (s,).
+        Particle pairs that the stiffness couples: edges of the mesh, a particle with itself, or couplings that the
+        system was told of; shape (s,).
     stiffness
         Minus the derivative of the force on ``rows`` by the displacement of ``columns``; shape (s, 2, 2).
     """
@@ -120,7 +122,9 @@ class MomentumSystem:
     fixed
         Unknowns (u_x, u_y, p) with prescribed increments; shape (n, 3).
     moduli
-        Shear modulus, bulk modulus (MPa) and stabilisation factor.
+        Shear and bulk modulus of the elements (MPa); shape (m, 2).
+    stabilisation
+        Factor alpha_s of the pressure projection.
     thermal_strain
         3 alpha (theta - theta_0) on particles; shape (n,).
     settled_pressure
@@ -130,6 +134,8 @@ class MomentumSystem:
         symmetric but for a few per cent, and Newton's method converges as fast.
     watch
         Times set-up, assembly and linear solves.
+    couplings
+        Groups of particles that contact may couple though they share no element.
     """
 
     def __init__(
@@ -138,21 +144,21 @@ class MomentumSystem:
         partition: Partition,
         points: Array,
         fixed: BoolArray,
-        moduli: tuple[float, float, float],
+        moduli: Array,
+        stabilisation: float,
         thermal_strain: Array,
         settled_pressure: Array,
         *,
         symmetric: bool,
         watch: Stopwatch,
+        couplings: Sequence[IntArray] = (),
     ):
         self._watch = watch
         self._kernels = kernels
         self._partition = partition
         with watch.phase("system"):
             symbols, packing = kernels.symbols, kernels.packing
-            values = dict(
-                zip((symbols.shear_modulus, symbols.bulk_modulus, symbols.stabilisation), moduli, strict=True)
-            )
+            values = {symbols.stabilisation: stabilisation}
             self._residual_constants = kernels.residual.constants(values)
             self._jacobian_constants = kernels.jacobian.constants(values)
             self._coordinates = corner_coordinates(points, partition.corners)
@@ -162,9 +168,10 @@ class MomentumSystem:
                 (symbols.settled_pressure, settled_pressure),
             ):
                 self._pack(symbol, field[:, None])
+            self._data[:, packing.columns(symbols.moduli)] = moduli[partition.elements]
             self._fixed = np.empty(fixed.shape, dtype=bool)
             self._fixed[partition.number] = fixed
-            self._sparsity = Sparsity.of(partition)
+            self._sparsity = Sparsity.of(partition, couplings)
             self._pointers, self._columns = self._sparsity.scalar_rows(COMPONENTS)
             self._values = np.zeros(len(self._columns))
             self._symmetric = symmetric

@@ -6,6 +6,7 @@ its scalar rows follow each other. So the place of an entry follows from that of
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,11 +43,24 @@ class Sparsity:
     places: IntArray
 
     @staticmethod
-    def of(partition: Partition) -> Sparsity:
-        """That of linear elements on the partition's cells."""
+    def of(partition: Partition, groups: Sequence[IntArray] = ()) -> Sparsity:
+        """That of linear elements on the partition's cells, with all particles of each of ``groups`` coupled, too."""
         rows = partition.last - partition.first
         starts, neighbours, places = _couplings(partition.cells, partition.first, rows, partition.count)
-        return Sparsity(partition.first, starts, neighbours, places)
+        found = Sparsity(partition.first, starts, neighbours, places)
+        return found if not groups else found._coupled([partition.number[each] for each in groups])
+
+    def _coupled(self, groups: Sequence[IntArray]) -> Sparsity:
+        """The same with the particle numbers of each of ``groups`` coupled."""
+        rows = np.concatenate([np.repeat(each, len(each)) for each in groups]) - self.first
+        columns = np.concatenate([np.tile(each, len(each)) for each in groups])
+        own = (rows >= 0) & (rows < len(self.starts) - 1)
+        count = 1 + int(max(self.neighbours.max(initial=0), columns.max(initial=0)))
+        old = np.repeat(np.arange(len(self.starts) - 1), np.diff(self.starts)) * count + self.neighbours
+        keys = np.union1d(old, rows[own] * count + columns[own])
+        block = np.append(np.searchsorted(keys, old), -1)
+        starts = np.searchsorted(keys, count * np.arange(len(self.starts)))
+        return Sparsity(self.first, starts, keys % count, block[self.places])
 
     def scalar_rows(self, components: int) -> tuple[Int32Array, Int32Array]:
         """Row pointers and columns of the scalar matrix with ``components`` unknowns a particle."""

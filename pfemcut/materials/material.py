@@ -99,6 +99,10 @@ class Material:
         """Shear modulus mu (MPa)."""
         return self.young_modulus / (2.0 * (1.0 + self.poisson_ratio))
 
+    def thermal_strain(self, temperature: Array) -> Array:
+        """e = 3 alpha (theta - theta_0) at the ``temperature`` (K); same shape."""
+        return 3.0 * self.expansion(temperature) * (temperature - self.reference_temperature)
+
     @property
     def bulk_modulus(self) -> float:
         """Bulk modulus kappa (MPa)."""

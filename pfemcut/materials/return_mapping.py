@@ -6,6 +6,7 @@ equivalent plastic strain and the plastic multiplier rate. All arrays have one r
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -48,6 +49,10 @@ class Trial:
     norm: Array
     mu_bar: Array
 
+    def of(self, points: slice) -> Trial:
+        """The trial state of some of the points."""
+        return Trial(self.jacobian[points], self.deviator[points], self.norm[points], self.mu_bar[points])
+
 
 @dataclass(frozen=True)
 class Multiplier:
@@ -65,10 +70,20 @@ class Multiplier:
     by_norm: Array
     by_mu_bar: Array
 
+    @staticmethod
+    def joined(parts: Sequence[Multiplier]) -> Multiplier:
+        """Multipliers of several sets of points, one after the other."""
+        return Multiplier(
+            np.concatenate([each.value for each in parts]),
+            np.concatenate([each.by_norm for each in parts]),
+            np.concatenate([each.by_mu_bar for each in parts]),
+        )
 
-def elastic_trial(b_elastic: Array, gradient: Array, shear_modulus: float) -> Trial:
+
+def elastic_trial(b_elastic: Array, gradient: Array, shear_modulus: Array | float) -> Trial:
     """Trial state b_trial = j^(-2/3) f b f^T of ``b_elastic`` (m, 4) for f = ``gradient`` (m, 2, 2)."""
-    return Trial(*_elastic_trial(b_elastic, gradient, shear_modulus))
+    modulus = np.broadcast_to(np.asarray(shear_modulus, dtype=np.float64), len(gradient)).copy()
+    return Trial(*_elastic_trial(b_elastic, gradient, modulus))
 
 
 @njit(cache=True)
@@ -80,7 +95,7 @@ def _elastic_trial(b_elastic, gradient, shear_modulus):  # type: ignore[no-untyp
         fxx, fxy, fyx, fyy = gradient[i, 0, 0], gradient[i, 0, 1], gradient[i, 1, 0], gradient[i, 1, 1]
         bxx, byy, bzz, bxy = b_elastic[i, 0], b_elastic[i, 1], b_elastic[i, 2], b_elastic[i, 3]
         jacobian[i] = fxx * fyy - fxy * fyx
-        scale = shear_modulus * max(jacobian[i], 1e-6) ** (-2.0 / 3.0)
+        scale = shear_modulus[i] * max(jacobian[i], 1e-6) ** (-2.0 / 3.0)
         gxx, gxy = fxx * bxx + fxy * bxy, fxx * bxy + fxy * byy
         gyx, gyy = fyx * bxx + fyy * bxy, fyx * bxy + fyy * byy
         xx = scale * (gxx * fxx + gxy * fxy)
@@ -186,7 +201,7 @@ def returned_deviator(trial: Trial, multiplier: Array) -> Array:
     return trial.deviator * (1.0 - 2.0 * trial.mu_bar * multiplier / trial.norm)[:, None]
 
 
-def elastic_strain(deviator: Array, shear_modulus: float) -> Array:
+def elastic_strain(deviator: Array, shear_modulus: Array | float) -> Array:
     """Elastic tensor b with deviator ``deviator`` / mu and det b = 1; shape (m, 4).
 
     The flow rule keeps tr b instead; its determinant drifts. With the mean m of b the determinant is
@@ -206,6 +221,6 @@ def elastic_strain(deviator: Array, shear_modulus: float) -> Array:
     return b
 
 
-def deviatoric_energy(b_elastic: Array, shear_modulus: float) -> Array:
+def deviatoric_energy(b_elastic: Array, shear_modulus: Array | float) -> Array:
     """W = mu/2 (tr b - 3) per referential volume (MPa); shape (m,)."""
     return 0.5 * shear_modulus * (b_elastic[:, :3].sum(axis=1) - 3.0)

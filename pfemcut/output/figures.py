@@ -20,10 +20,13 @@ from matplotlib.figure import Figure  # noqa: E402
 from matplotlib.tri import Triangulation  # noqa: E402
 from numpy.typing import NDArray  # noqa: E402
 
-from pfemcut.method import Frame  # noqa: E402
+from pfemcut.method import Block, Frame  # noqa: E402
+from pfemcut.output.vtu import boundary_loops  # noqa: E402
 from pfemcut.results.derived.chip_section import to_rake_frame  # noqa: E402
 from pfemcut.results.derived.profiles import tool_profile, tool_surface_temperature  # noqa: E402
 from pfemcut.results.derived.steady_window import SteadyWindow  # noqa: E402
+from pfemcut.results.derived.tool_state import nodal_stress, principal, von_mises  # noqa: E402
+from pfemcut.tools.rigid_wedge import RigidWedge  # noqa: E402
 
 Array = NDArray[np.float64]
 
@@ -100,6 +103,44 @@ def _four_decades(values: Array) -> Normalize:
     return LogNorm(decade * 1e-4, decade)
 
 
+@dataclass(frozen=True)
+class ToolPicture:
+    """How a field of a deformable tool is drawn; ``reach`` of the view in tip radii, the rest as of a body's."""
+
+    name: str
+    title: str
+    unit: str
+    values: Callable[[Block], Array]
+    colours: str
+    reach: float
+
+
+TOOL_FIELDS = (
+    ToolPicture(
+        "tool_von_mises",
+        "Von Mises stress",
+        "MPa",
+        lambda block: von_mises(nodal_stress(block)),
+        "turbo",
+        12.0,
+    ),
+    ToolPicture(
+        "tool_principal",
+        "Largest principal stress",
+        "MPa",
+        lambda block: principal(nodal_stress(block))[:, 0],
+        "coolwarm",
+        12.0,
+    ),
+    ToolPicture(
+        "tool_temperature",
+        "Temperature",
+        "K",
+        lambda block: np.asarray(block.point_fields["temperature"], dtype=np.float64),
+        "inferno",
+        12.0,
+    ),
+)
 FIELDS = (
     FieldPicture(
         "temperature",
@@ -156,6 +197,11 @@ def write_figures(
         for field in FIELDS:
             written.append(_save(draw_field(frame, field, view), directory / f"{field.name}.png"))
         written.append(_save(draw_mesh(frame, view), directory / "mesh.png"))
+    for tool, block in zip(frame.tool, frame.tool_blocks, strict=False):
+        if "cauchy_stress" in block.cell_fields:
+            for picture in TOOL_FIELDS:
+                figure = draw_tool_field(frame, tool, block, picture)
+                written.append(_save(figure, directory / f"{picture.name}.png"))
     if tool_profile(frame).arc_length.size:
         written.append(_save(draw_profiles(frame), directory / "profiles.png"))
     return written
@@ -234,6 +280,26 @@ def draw_mesh(frame: Frame, view: Array) -> Figure:
     return figure
 
 
+def draw_tool_field(frame: Frame, tool: RigidWedge, block: Block, field: ToolPicture) -> Figure:
+    """Return the picture of one field in a deformable tool, near its tip, with the largest value marked."""
+    values = field.values(block)
+    reach = field.reach * tool.tip_radius
+    foot = tool.rake_tangent_point
+    view = foot + np.array([[-0.4 * reach, -0.4 * reach], [reach, reach]])
+    figure, axes = _zone(view, f"{field.title} in the tool, travel {frame.travel:.3f} mm")
+    inside = ((block.points >= view[0]) & (block.points <= view[1])).all(axis=1)
+    triangles = Triangulation(block.points[:, 0], block.points[:, 1], block.cells)
+    low, high = float(values[inside].min()), float(values[inside].max())
+    levels = np.linspace(low, max(high, low + 1e-9), 25)
+    image = axes.tricontourf(triangles, np.clip(values, low, high), levels=levels, cmap=field.colours)
+    _draw_outline(axes, frame)
+    at = int(np.argmax(np.abs(values)))
+    axes.plot(*block.points[at], "k+", markersize=9, label=f"{values[at]:.4g} {field.unit}")
+    axes.legend(loc="upper right", fontsize="small")
+    figure.colorbar(image, ax=axes, label=f"{field.title} ({field.unit})", shrink=0.85)
+    return figure
+
+
 def draw_profiles(frame: Frame) -> Figure:
     """Return pressure, shear traction and temperature along the tool."""
     profile = tool_profile(frame)
@@ -287,7 +353,14 @@ def _draw_outline(axes: Axes, frame: Frame) -> None:
 
 def _draw_tool(axes: Axes, frame: Frame, view: Array) -> None:
     length = float(2.0 * np.hypot(*(view[1] - view[0])))
-    for tool in frame.tool:
+    for block in frame.tool_blocks:
+        for loop in boundary_loops(block.cells):
+            face = PolyCollection(
+                [block.points[loop]], facecolor=TOOL_COLOUR, edgecolor="black", linewidth=0.8
+            )
+            face.set_zorder(0.5)
+            axes.add_collection(face, autolim=False)
+    for tool in frame.tool if not frame.tool_blocks else ():
         outline = tool.outline(length)
         far = outline[0] + outline[-1] - tool.centre
         polygon = PolyCollection(

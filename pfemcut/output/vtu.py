@@ -28,7 +28,9 @@ TOOL_LENGTH = 2.0
 """Length (mm) of the drawn faces of a tool."""
 
 BODY_PART, TOOL_PART = 0, 1
+_NAMES = {BODY_PART: "workpiece", TOOL_PART: "tool"}
 TENSOR = ("xx", "yy", "zz", "xy")
+_GEOMETRY = ("travel", "rake", "clearance", "tip_radius", "centre_x", "centre_y", "body")
 _CONTACT = ("contact_pressure", "contact_shear", "in_contact")
 
 
@@ -80,6 +82,10 @@ class FieldWriter:
                 self._directory / tool, tool_mesh(frame.tool[0], frame.travel, frame.tool_blocks)
             )
             self._entries.append(Entry(frame.step, frame.time, TOOL_PART, tool))
+        for part, block in enumerate(frame.others, TOOL_PART + 1):
+            name = f"{FOLDER}/body{part}_{frame.step:08d}.vtu"
+            _write_atomically(self._directory / name, other_mesh(block, part))
+            self._entries.append(Entry(frame.step, frame.time, part, name))
         write_collection(self._directory, self._entries)
 
 
@@ -109,10 +115,11 @@ def tool_mesh(tool: RigidWedge, travel: float, blocks: tuple[Block, ...] = ()) -
     """Return a tool as a mesh that carries its geometry as constant cell data: its block, or else its outline."""
     points = tool.outline(TOOL_LENGTH)
     cells = np.column_stack([np.arange(len(points) - 1), np.arange(1, len(points))])
-    kind, fields = "line", {}
+    kind, fields, cell_fields = "line", {}, {}
     for block in blocks:
         points, cells, kind = block.points, block.cells, "triangle"
         fields = {name: _padded(np.asarray(values)) for name, values in block.point_fields.items()}
+        cell_fields = {name: [_padded(values)] for name, values in block.cell_fields.items()}
     constants = {
         "travel": travel,
         "rake": tool.rake,
@@ -123,7 +130,15 @@ def tool_mesh(tool: RigidWedge, travel: float, blocks: tuple[Block, ...] = ()) -
     }
     cell_data = {name: [np.full(len(cells), value)] for name, value in constants.items()}
     cell_data["body"] = [np.full(len(cells), TOOL_PART, dtype=np.int32)]
-    return meshio.Mesh(_padded(points), [(kind, cells)], fields, cell_data)
+    return meshio.Mesh(_padded(points), [(kind, cells)], fields, {**cell_data, **cell_fields})
+
+
+def other_mesh(block: Block, part: int) -> meshio.Mesh:
+    """Return another body as a mesh with the given part number."""
+    point_data = {name: _padded(np.asarray(values)) for name, values in block.point_fields.items()}
+    cell_data = {name: [_padded(values)] for name, values in block.cell_fields.items()}
+    cell_data["body"] = [np.full(len(block.cells), part, dtype=np.int32)]
+    return meshio.Mesh(_padded(block.points), [("triangle", block.cells)], point_data, cell_data)
 
 
 def read_last_frame(directory: Path) -> Frame:
@@ -179,7 +194,15 @@ def _blocks(tool: meshio.Mesh) -> tuple[Block, ...]:
     if triangles is None:
         return ()
     points = np.asarray(tool.points, dtype=np.float64)[:, :2]
-    return (Block(points, triangles.astype(np.int64), tool.point_data),)
+    point_fields = {
+        name: values[:, :2] if values.ndim == 2 else values for name, values in tool.point_data.items()
+    }
+    cell_fields = {
+        name: values[0][:, : len(TENSOR)] if values[0].ndim == 2 else values[0]
+        for name, values in tool.cell_data.items()
+        if name not in _GEOMETRY
+    }
+    return (Block(points, triangles.astype(np.int64), point_fields, cell_fields),)
 
 
 def boundary_loops(cells: IntArray) -> tuple[IntArray, ...]:
@@ -244,7 +267,7 @@ def write_collection(directory: Path, entries: list[Entry]) -> None:
             group="",
             part=str(entry.part),
             file=entry.file,
-            name="tool" if entry.part == TOOL_PART else "workpiece",
+            name=_NAMES.get(entry.part, f"body {entry.part}"),
         )
     Xml.indent(root)
     path = directory / COLLECTION
@@ -273,4 +296,4 @@ def _read(path: Path) -> meshio.Mesh:
 
 
 def _constants(mesh: meshio.Mesh) -> dict[str, float]:
-    return {name: float(values[0][0]) for name, values in mesh.cell_data.items()}
+    return {name: float(mesh.cell_data[name][0][0]) for name in _GEOMETRY}

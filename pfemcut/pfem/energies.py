@@ -9,43 +9,61 @@ from meshing.mesh import Mesh, signed_areas
 from pfemcut.contact.penalty import facing_lengths
 from pfemcut.materials.enthalpy import specific_enthalpy
 from pfemcut.materials.return_mapping import deviatoric_energy
+from pfemcut.pfem.bodies import densities, moduli, over_particles
+from pfemcut.pfem.body_contact import deformable_tools, spring_energy
 from pfemcut.pfem.kinematics import element_mean, lumped
 from pfemcut.pfem.state import Fields
-from pfemcut.problem import Problem
+from pfemcut.problem import Body, Problem
 
 Array = NDArray[np.float64]
 
 
 def elastic_energy(problem: Problem, mesh: Mesh, fields: Fields) -> float:
     """Stored elastic energy, int (W_dev + p²/(2 kappa)) / J dV (mJ/mm)."""
-    material = problem.body.material
+    shear, bulk = moduli(problem, mesh).T
     pressure = element_mean(fields.pressure, mesh.cells)
-    density = deviatoric_energy(fields.b_elastic, material.shear_modulus)
-    density += pressure**2 / (2.0 * material.bulk_modulus)
+    density = deviatoric_energy(fields.b_elastic, shear)
+    density += pressure**2 / (2.0 * bulk)
     return float(np.sum(density / fields.volume_ratio * signed_areas(mesh.points, mesh.cells)))
 
 
 def mass(problem: Problem, mesh: Mesh, fields: Fields) -> float:
-    """Mass of the body per mm of width, int rho_0 / J dV (tonne/mm)."""
-    material = problem.body.material
-    volume = signed_areas(mesh.points, mesh.cells) / fields.volume_ratio
-    return material.density * float(volume.sum())
+    """Mass of the bodies per mm of width, int rho_0 / J dV (tonne/mm)."""
+    return float(_element_masses(problem, mesh, fields).sum())
+
+
+def _element_masses(problem: Problem, mesh: Mesh, fields: Fields) -> Array:
+    """Mass of each element (tonne/mm); shape (m,)."""
+    return densities(problem, mesh) * signed_areas(mesh.points, mesh.cells) / fields.volume_ratio
 
 
 def heat_content(problem: Problem, mesh: Mesh, fields: Fields) -> float:
     """Heat above the initial temperature, int rho_0 / J (int c dtheta) dV with lumped capacity (mJ/mm)."""
-    material = problem.body.material
-    volume = signed_areas(mesh.points, mesh.cells) / fields.volume_ratio
-    nodal_mass = lumped(material.density * volume, mesh.cells, len(mesh.points))
-    enthalpy = specific_enthalpy(material.capacity, fields.temperature, problem.body.temperature)
-    return float(np.sum(nodal_mass * enthalpy))
+    return float(_nodal_heat(problem, mesh, fields).sum())
+
+
+def tool_heat_content(problem: Problem, mesh: Mesh, fields: Fields) -> dict[str, float]:
+    """The heat content (mJ/mm) of a deformable tool as a history column; empty without one."""
+    columns = {}
+    for _, particles in deformable_tools(problem, mesh):
+        columns["tool_heat_content"] = float(_nodal_heat(problem, mesh, fields)[particles].sum())
+    return columns
+
+
+def _nodal_heat(problem: Problem, mesh: Mesh, fields: Fields) -> Array:
+    nodal_mass = lumped(_element_masses(problem, mesh, fields), mesh.cells, len(mesh.points))
+    enthalpy = over_particles(problem, mesh, lambda body, p: _enthalpy(body, fields.temperature[p]))
+    return nodal_mass * enthalpy
+
+
+def _enthalpy(body: Body, temperature: Array) -> Array:
+    """Specific enthalpy above the body's initial temperature (mm²/s²); same shape."""
+    return specific_enthalpy(body.material.capacity, temperature, body.temperature)
 
 
 def kinetic_energy(problem: Problem, mesh: Mesh, fields: Fields, step: float) -> float:
     """Kinetic energy with lumped mass (mJ/mm); ``step`` is the length of the last step (s)."""
-    material = problem.body.material
-    volume = signed_areas(mesh.points, mesh.cells) / fields.volume_ratio
-    nodal_mass = lumped(material.density * volume, mesh.cells, len(mesh.points))
+    nodal_mass = lumped(_element_masses(problem, mesh, fields), mesh.cells, len(mesh.points))
     return 0.5 * float(np.sum(nodal_mass[:, None] * (fields.last_displacement / step) ** 2))
 
 
@@ -53,8 +71,8 @@ def contact_energy(problem: Problem, mesh: Mesh, time: float) -> float:
     """Energy stored in the penalty springs (mJ/mm)."""
     particles = np.unique(mesh.boundary.particles)
     positions = mesh.points[particles]
-    total = 0.0
-    for tool in problem.tool:
+    total = spring_energy(problem, mesh)
+    for tool in problem.rigid_tools:
         shape = tool.at(time)
         lengths = facing_lengths(shape, mesh.points, mesh.boundary.edges)[particles]
         depth = np.maximum(-shape.closest(positions).gap, 0.0)

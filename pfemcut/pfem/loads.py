@@ -16,7 +16,7 @@ IntArray = NDArray[np.int64]
 
 def part_edges(problem: Problem, mesh: Mesh, part: str) -> IntArray:
     """Particle pairs of the boundary edges of ``part``; shape (k, 2)."""
-    numbers = [i for i, name in enumerate(problem.body.parts) if name == part]
+    numbers = [i for i, name in enumerate(problem.parts) if name == part]
     return mesh.boundary.edges[np.isin(mesh.boundary.parts, numbers)]
 
 

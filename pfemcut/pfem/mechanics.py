@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshing.mesh import Mesh, signed_areas
+from pfemcut.contact.node_to_segment import SurfaceContact
 from pfemcut.contact.penalty import ContactForces, contact_forces, facing_lengths
 from pfemcut.fem.momentum_system import MomentumKernels, MomentumSystem, NodalForces
 from pfemcut.fem.partition import Partition
@@ -22,6 +23,8 @@ from pfemcut.materials.return_mapping import (
     returned_deviator,
 )
 from pfemcut.materials.volumetric import volume_ratio_from_pressure
+from pfemcut.pfem.bodies import densities, moduli, over_cells, thermal_strains
+from pfemcut.pfem.body_contact import contact_search, interface_contact, nodal_forces, require_found
 from pfemcut.pfem.kinematics import (
     deformation_gradient,
     element_mean,
@@ -33,7 +36,7 @@ from pfemcut.pfem.loads import load_forces, part_particles
 from pfemcut.pfem.newton import Linearisation, solve_momentum
 from pfemcut.pfem.stabilisation import modulus_ratio
 from pfemcut.pfem.state import Fields
-from pfemcut.problem import Integrator, Problem, VolumetricHistory
+from pfemcut.problem import Body, Integrator, Problem, VolumetricHistory
 from pfemcut.timing import Stopwatch
 
 Array = NDArray[np.float64]
@@ -66,7 +69,9 @@ class Motion:
     reactions
         Forces of prescribed motions on the body (N/mm); (n, 2).
     contact
-        One entry for each tool.
+        One entry for each rigid tool.
+    body_contact
+        One entry for each contact pair.
     volume_ratio
         J at the end of the step; (m,).
     trial
@@ -81,6 +86,7 @@ class Motion:
     pressure: Array
     reactions: Array
     contact: tuple[ContactResult, ...]
+    body_contact: tuple[SurfaceContact, ...]
     volume_ratio: Array
     trial: Trial
     multiplier: Array
@@ -110,7 +116,7 @@ class PlasticUpdate:
 
 def thermal_strain(material: Material, temperature: Array) -> Array:
     """e = 3 alpha (theta - theta_0) of the temperature (K); same shape."""
-    return 3.0 * material.expansion(temperature) * (temperature - material.reference_temperature)
+    return material.thermal_strain(temperature)
 
 
 def pressure_volume_ratios(material: Material, cells: IntArray, fields: Fields) -> Array:
@@ -120,11 +126,24 @@ def pressure_volume_ratios(material: Material, cells: IntArray, fields: Fields) 
     return volume_ratio_from_pressure(pressure / material.bulk_modulus, strain)
 
 
+def flow_stresses(problem: Problem, mesh: Mesh, eqps: Array, rate: Array, temperature: Array) -> Array:
+    """Flow stress of the elements (MPa), each by its body's law; all (m,)."""
+    return over_cells(
+        problem,
+        mesh,
+        lambda body, c: body.material.hardening.flow_stress(eqps[c], rate[c], temperature[c]).value,
+    )
+
+
 def surface_flow_stress(problem: Problem, mesh: Mesh, fields: Fields) -> Array:
     """Flow stress of the last step (MPa), averaged over the elements around each particle; (n,)."""
-    hardening = problem.body.material.hardening
-    temperature = element_mean(fields.temperature, mesh.cells)
-    stress = hardening.flow_stress(fields.eqps, _ROOT_2_3 * fields.multiplier_rate, temperature).value
+    stress = flow_stresses(
+        problem,
+        mesh,
+        fields.eqps,
+        _ROOT_2_3 * fields.multiplier_rate,
+        element_mean(fields.temperature, mesh.cells),
+    )
     return nodal_average(stress, signed_areas(mesh.points, mesh.cells), mesh.cells, len(mesh.points))
 
 
@@ -167,21 +186,24 @@ def solve_motion(
     pfemcut.pfem.newton.StepFailed
         If the step is too long.
     """
-    material = problem.body.material
     cells, count = mesh.cells, len(mesh.points)
+    stiffness = moduli(problem, mesh)
+    shear_modulus = stiffness[:, 0]
     gradients = shape_gradients(mesh.points, cells)
     areas = signed_areas(mesh.points, cells)
     ratio = fields.volume_ratio
     temperature = element_mean(fields.temperature, cells)
     candidates = np.unique(mesh.boundary.particles)
-    shapes = tuple(tool.at(start_time + step) for tool in problem.tool)
+    shapes = tuple(tool.at(start_time + step) for tool in problem.rigid_tools)
     tools = tuple(
         (tool, shape, facing_lengths(shape, mesh.points, mesh.boundary.edges)[candidates])
-        for tool, shape in zip(problem.tool, shapes, strict=True)
+        for tool, shape in zip(problem.rigid_tools, shapes, strict=True)
     )
-    flow_stress = surface_flow_stress(problem, mesh, fields)[candidates]
+    interfaces = contact_search(problem, mesh, guess[:, :2])
+    nodal_flow_stress = surface_flow_stress(problem, mesh, fields)
+    flow_stress = nodal_flow_stress[candidates]
     # Lumped mass of the backward-Euler inertia term m (u / dt - v) / dt; zero in a quasi-static run.
-    mass = lumped(areas * material.density / ratio, cells, count) * float(problem.time.inertia)
+    mass = lumped(areas * densities(problem, mesh) / ratio, cells, count) * float(problem.time.inertia)
     velocity = fields.last_displacement / last_step
     softening = modulus_ratio(
         problem.stabilisation_modulus, fields.b_elastic, fields.eqps, fields.multiplier_rate
@@ -191,11 +213,11 @@ def solve_motion(
         trial = elastic_trial(
             fields.b_elastic,
             deformation_gradient(gradients, cells, unknown[:, :2]),
-            material.shear_modulus,
+            shear_modulus,
         )
         if problem.time.integrator is Integrator.IMPLICIT:
-            multiplier = implicit_multiplier(
-                trial, material.hardening, fields.eqps, temperature, step, fields.multiplier_rate
+            multiplier = implicit_multipliers(
+                problem, mesh, trial, fields.eqps, temperature, step, fields.multiplier_rate
             )
         else:
             multiplier = extrapolated_multiplier(trial, fields.multiplier_rate, step)
@@ -221,6 +243,16 @@ def solve_motion(
             for tool, shape, lengths in tools
         )
 
+    def body_contacts(unknown: Array) -> tuple[SurfaceContact, ...]:
+        displacement = unknown[:, :2]
+        positions = mesh.points + displacement
+        return tuple(
+            interface_contact(
+                each, positions, displacement, step, velocity, fields.temperature, nodal_flow_stress
+            )
+            for each in interfaces
+        )
+
     def linearise(unknown: Array) -> Linearisation:
         trial, multiplier = kinematics(unknown)
         element = np.column_stack(
@@ -238,6 +270,7 @@ def solve_motion(
         nodal = NodalForces.sum(
             [
                 *_contact_forces(contacts(unknown)),
+                *map(nodal_forces, body_contacts(unknown)),
                 load_forces(problem, mesh, unknown[:, :2], start_time + step),
                 _inertia_forces(unknown, mass, velocity, step),
             ]
@@ -247,27 +280,25 @@ def solve_motion(
     fixed, value = prescribed_increments(problem, mesh, fields.displacement, start_time, step)
     start = guess.copy()
     start[fixed] = value[fixed]
-    yield_stress = float(
-        material.hardening.flow_stress(np.zeros(1), np.zeros(1), np.array([problem.body.temperature])).value[
-            0
-        ]
-    )
-    moduli = (material.shear_modulus, material.bulk_modulus, problem.stabilisation)
-    strain = thermal_strain(material, fields.temperature)
+    strain = thermal_strains(problem, mesh, fields.temperature)
     incremental = problem.particles.volumetric_history is VolumetricHistory.INCREMENT
     settled = fields.pressure if incremental else np.zeros(count)
     size = np.sqrt(lumped(areas, cells, count))
+    nodal_modulus = nodal_average(shear_modulus, areas, cells, count)
+    laws = (problem.contact, *(pair.law for pair in problem.pairs))
     with MomentumSystem(
         kernels,
         partition,
         mesh.points,
         fixed,
-        moduli,
+        stiffness,
+        problem.stabilisation,
         strain,
         settled,
         # Measured on cuts; a body that turns by degrees in a step needs the whole tangent.
-        symmetric=bool(problem.cut) and problem.contact.friction.frictionless,
+        symmetric=bool(problem.cut) and all(law.friction.frictionless for law in laws),
         watch=watch,
+        couplings=[group for each in interfaces for group in each.couplings],
     ) as system:
         solution = solve_momentum(
             system,
@@ -276,23 +307,56 @@ def solve_motion(
             fixed,
             # Not the bulk modulus: in a nearly incompressible body the volume change of second order would rule the
             # line search.
-            2.0 * material.shear_modulus / size,
-            _NEGLIGIBLE_STRESS
-            * min(yield_stress, _ELASTIC_STRAIN * material.shear_modulus)
-            * float(size.min()),
+            2.0 * nodal_modulus / size,
+            _NEGLIGIBLE_STRESS * min(map(_stress_scale, problem.bodies)) * float(size.min()),
             problem.newton,
         )
     trial, multiplier = kinematics(solution.unknown)
+    body_contact = body_contacts(solution.unknown)
+    for interface, found in zip(interfaces, body_contact, strict=True):
+        require_found(interface, found, mesh.points + solution.unknown[:, :2])
     return Motion(
         displacement=solution.unknown[:, :2].copy(),
         pressure=solution.unknown[:, 2].copy(),
         reactions=np.where(fixed[:, :2], solution.reactions, 0.0),
         contact=contacts(solution.unknown),
+        body_contact=body_contact,
         volume_ratio=trial.jacobian * ratio,
         trial=trial,
         multiplier=multiplier.value,
         iterations=solution.iterations,
     )
+
+
+def _stress_scale(body: Body) -> float:
+    """A stress (MPa) that counts in the body: at which it yields, or of a small elastic strain."""
+    material, zero = body.material, np.zeros(1)
+    yield_stress = material.hardening.flow_stress(zero, zero, np.array([body.temperature])).value[0]
+    return min(float(yield_stress), _ELASTIC_STRAIN * material.shear_modulus)
+
+
+def implicit_multipliers(
+    problem: Problem,
+    mesh: Mesh,
+    trial: Trial,
+    eqps: Array,
+    temperature: Array,
+    step: float,
+    rate_guess: Array,
+) -> Multiplier:
+    """Backward-Euler multipliers of all bodies, each with its hardening law; ``temperature`` of the elements (m,)."""
+    parts = [
+        implicit_multiplier(
+            trial.of(cells),
+            body.material.hardening,
+            eqps[cells],
+            temperature[cells],
+            step,
+            rate_guess[cells],
+        )
+        for body, cells in zip(problem.bodies, mesh.cell_ranges, strict=True)
+    ]
+    return parts[0] if len(parts) == 1 else Multiplier.joined(parts)
 
 
 def _contact_forces(contact: tuple[ContactResult, ...]) -> list[NodalForces]:
@@ -320,18 +384,17 @@ def update_plasticity(
     problem: Problem, mesh: Mesh, fields: Fields, motion: Motion, step: float
 ) -> PlasticUpdate:
     """Backward-Euler return mapping at the solved displacement and the temperature of the start of the step."""
-    material = problem.body.material
     temperature = element_mean(fields.temperature, mesh.cells)
-    multiplier = implicit_multiplier(
-        motion.trial, material.hardening, fields.eqps, temperature, step, motion.multiplier / step
+    multiplier = implicit_multipliers(
+        problem, mesh, motion.trial, fields.eqps, temperature, step, motion.multiplier / step
     ).value
     increment = _ROOT_2_3 * multiplier
     eqps = fields.eqps + increment
     deviator = returned_deviator(motion.trial, multiplier)
     return PlasticUpdate(
-        b_elastic=elastic_strain(deviator, material.shear_modulus),
+        b_elastic=elastic_strain(deviator, moduli(problem, mesh)[:, :1]),
         eqps=eqps,
         multiplier_rate=multiplier / step,
         eqps_increment=increment,
-        flow_stress=material.hardening.flow_stress(eqps, increment / step, temperature).value,
+        flow_stress=flow_stresses(problem, mesh, eqps, increment / step, temperature),
     )

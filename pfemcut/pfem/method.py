@@ -8,25 +8,32 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
+from meshing.bodies import joined, renumbered, separated
 from meshing.initial import outline_mesh
 from meshing.mesh import Mesh
-from pfemcut.contact.penalty import ContactForces, contact_forces, facing_lengths
-from pfemcut.materials.return_mapping import tensor_norm
-from pfemcut.method import Block, ContactView, Frame, Measures
+from meshing.sizes import SizeField
+from pfemcut.method import Frame, Measures
 from pfemcut.pfem import energies
-from pfemcut.pfem.kinematics import element_mean
-from pfemcut.pfem.mechanics import surface_flow_stress, thermal_strain
-from pfemcut.pfem.state import Clock, Ledger, State, from_arrays, initial_fields, to_arrays
+from pfemcut.pfem.contact_view import contact_view
+from pfemcut.pfem.frames import frame_of
+from pfemcut.pfem.state import (
+    Clock,
+    Fields,
+    Ledger,
+    State,
+    from_arrays,
+    initial_fields,
+    joined_fields,
+    to_arrays,
+)
 from pfemcut.pfem.step import PHASES, Kernels, StepRecord, advance
-from pfemcut.problem import Problem
+from pfemcut.problem import Body, Probe, Problem
 from pfemcut.ranks import Ranks
 from pfemcut.timing import Stopwatch
 from pfemcut.tools.heat_block import HeatBlock, block_mesh
 
 Array = NDArray[np.float64]
 
-_ROOT_2_3 = np.sqrt(2.0 / 3.0)
-_ROOT_3_2 = np.sqrt(1.5)
 _NO_STEP = StepRecord(np.zeros(2), 0, 0, 0, 0, 0, 0.0, 0.0, np.zeros((0, 3)))
 
 
@@ -43,15 +50,21 @@ class PfemMethod:
     @classmethod
     def start(cls, problem: Problem) -> PfemMethod:
         """A run at time zero, with a new mesh."""
-        body = problem.body
         # Every rank must hold the same bits, so one meshes for all.
         mesh = Ranks().on_first(lambda: _initial_mesh(problem))
         first = problem.time.first_step_fraction * problem.time.step
         clock = Clock(step=0, time=0.0, last_dt=first, next_dt=first)
-        vx, vy = body.velocity
         blocks = _heat_blocks(problem)
-        expansion = float(thermal_strain(body.material, np.asarray(body.temperature)))
-        fields = initial_fields(mesh, body.temperature, expansion, (vx * first, vy * first))
+        fields = joined_fields(
+            [
+                _initial_fields(body, part, first)
+                for body, part in zip(
+                    problem.bodies,
+                    separated(mesh, [alone.first_part for alone in problem.alone]),
+                    strict=True,
+                )
+            ]
+        )
         return cls(
             problem,
             State(
@@ -63,7 +76,7 @@ class PfemMethod:
                 initial_kinetic_energy=energies.kinetic_energy(problem, mesh, fields, first),
                 last_tool_force=np.zeros(2),
                 last_reactions=np.zeros((len(problem.motions), 3)),
-                probes=_nearest_particles(mesh, [probe.point for probe in problem.probes]),
+                probes=_nearest_particles(mesh, problem.probes),
                 tool_temperature=np.concatenate(
                     [np.zeros(0)]
                     + [
@@ -106,7 +119,7 @@ class PfemMethod:
         mesh, fields, clock, ledger = state.mesh, state.fields, state.clock, state.ledger
         elastic = energies.elastic_energy(problem, mesh, fields)
         kinetic = energies.kinetic_energy(problem, mesh, fields, clock.last_dt)
-        contact = self._contact_view()
+        contact = contact_view(self._problem, self._state)
         return Measures(
             step=clock.step,
             time=clock.time,
@@ -115,8 +128,8 @@ class PfemMethod:
             cutting_force=float(self._record.tool_force[0]),
             thrust_force=float(self._record.tool_force[1]),
             contact_length=float(contact.arc_length.max(initial=0.0)),
-            max_temperature=float(fields.temperature.max()),
-            max_eqps=float(fields.eqps.max()),
+            max_temperature=float(fields.temperature[mesh.particle_ranges[0]].max()),
+            max_eqps=float(fields.eqps[mesh.cell_ranges[0]].max()),
             tool_work=ledger.tool_work,
             plastic_work=ledger.plastic,
             friction_work=ledger.friction,
@@ -158,6 +171,7 @@ class PfemMethod:
             "area_drift": ledger.area_drift / cut_area if cut_area else 0.0,
             "mass_drift": energies.mass(problem, state.mesh, state.fields) / state.initial_mass - 1.0,
             **self._tool_heat(),
+            **energies.tool_heat_content(problem, state.mesh, state.fields),
             **self._reactions(),
             **self._probed(),
         }
@@ -170,47 +184,7 @@ class PfemMethod:
 
     def frame(self) -> Frame:
         """Fields after the last step."""
-        problem, state = self._problem, self._state
-        mesh, fields = state.mesh, state.fields
-        material = problem.body.material
-        ratio = fields.volume_ratio
-        deviator = fields.b_elastic.copy()
-        deviator[:, :3] -= deviator[:, :3].mean(axis=1, keepdims=True)
-        deviator *= (material.shear_modulus / ratio)[:, None]
-        stress = deviator.copy()
-        stress[:, :3] += element_mean(fields.pressure, mesh.cells)[:, None]
-        return Frame(
-            step=state.clock.step,
-            time=state.clock.time,
-            travel=self._travel,
-            points=mesh.points,
-            cells=mesh.cells,
-            loops=mesh.boundary.loops,
-            point_fields={
-                "displacement": fields.displacement,
-                "velocity": fields.last_displacement / state.clock.last_dt,
-                "pressure": fields.pressure,
-                "temperature": fields.temperature,
-                "particle_id": mesh.ids,
-            },
-            cell_fields={
-                "equivalent_plastic_strain": fields.eqps,
-                "equivalent_plastic_strain_rate": _ROOT_2_3 * fields.multiplier_rate,
-                "von_mises": _ROOT_3_2 * tensor_norm(deviator),
-                "cauchy_stress": stress,
-                "plastic_power": fields.plastic_power,
-            },
-            tool=tuple(tool.at(state.clock.time) for tool in problem.tool),
-            tool_blocks=tuple(
-                Block(
-                    block.mesh.points + state.clock.time * np.asarray(tool.velocity),
-                    block.mesh.cells,
-                    {"temperature": state.tool_temperature},
-                )
-                for tool, block in zip(problem.tool, self._kernels.heat_blocks, strict=False)
-            ),
-            contact=self._contact_view(),
-        )
+        return frame_of(self._problem, self._state, self._kernels.heat_blocks, self._travel)
 
     def state(self) -> Mapping[str, NDArray[np.generic]]:
         """All arrays that :meth:`restore` needs."""
@@ -272,36 +246,6 @@ class PfemMethod:
             columns[f"{probe.name}_temperature"] = float(fields.temperature[at])
         return columns
 
-    def _contact_view(self) -> ContactView:
-        problem, state = self._problem, self._state
-        mesh = state.mesh
-        particles = np.unique(mesh.boundary.particles)
-        for tool in problem.tool:
-            shape = tool.at(state.clock.time)
-            lengths = facing_lengths(shape, mesh.points, mesh.boundary.edges)[particles]
-            slip = state.fields.last_displacement[particles] - state.clock.last_dt * np.asarray(tool.velocity)
-            found: ContactForces = contact_forces(
-                shape,
-                problem.contact,
-                mesh.points[particles],
-                slip,
-                lengths,
-                state.clock.last_dt,
-                np.hypot(*slip.T) / state.clock.last_dt,
-                state.fields.temperature[particles],
-                surface_flow_stress(problem, mesh, state.fields)[particles],
-            )
-            touching = found.normal_force > 0.0
-            loaded = particles[touching]
-            return ContactView(
-                loaded,
-                shape.arc_length(mesh.points[loaded]),
-                found.normal_force[touching] / lengths[touching],
-                np.abs(found.shear_force[touching]) / lengths[touching],
-            )
-        empty = np.empty(0)
-        return ContactView(np.empty(0, dtype=np.int64), empty, empty, empty)
-
 
 def _heat_blocks(problem: Problem) -> tuple[HeatBlock, ...]:
     """Blocks of the tools that conduct heat, in the order of the tools."""
@@ -312,18 +256,36 @@ def _heat_blocks(problem: Problem) -> tuple[HeatBlock, ...]:
 
 
 def _initial_mesh(problem: Problem) -> Mesh:
-    body = problem.body
+    """All bodies' meshes, with the part numbers of the problem."""
+    meshes: list[Mesh] = []
+    for body in problem.bodies:
+        first_id = meshes[-1].next_id if meshes else 0
+        meshes.append(renumbered(_body_mesh(body, problem.particles.sizes), first_id))
+    return joined(meshes, [alone.first_part for alone in problem.alone])
+
+
+def _body_mesh(body: Body, sizes: SizeField) -> Mesh:
     for mesh in body.given:
         return mesh
     return outline_mesh(
         np.asarray(body.outline, dtype=np.float64),
-        problem.particles.sizes,
+        (*body.sizes, sizes)[0],
         np.arange(len(body.parts)),
         body.arcs,
     )
 
 
-def _nearest_particles(mesh: Mesh, points: list[tuple[float, float]]) -> NDArray[np.int64]:
-    """Identities of the particles nearest to ``points``."""
-    nearest = [int(np.argmin(np.hypot(*(mesh.points - np.asarray(point)).T))) for point in points]
+def _initial_fields(body: Body, mesh: Mesh, first_step: float) -> Fields:
+    strain = float(body.material.thermal_strain(np.asarray(body.temperature)))
+    vx, vy = body.velocity
+    return initial_fields(mesh, body.temperature, strain, (vx * first_step, vy * first_step))
+
+
+def _nearest_particles(mesh: Mesh, probes: tuple[Probe, ...]) -> NDArray[np.int64]:
+    """Identities of the particles nearest to the points of ``probes``, each in its body."""
+    nearest = []
+    for probe in probes:
+        within = mesh.particle_ranges[probe.body]
+        away = np.hypot(*(mesh.points[within] - np.asarray(probe.point)).T)
+        nearest.append(within.start + int(np.argmin(away)))
     return mesh.ids[np.asarray(nearest, dtype=np.int64)]

@@ -38,14 +38,13 @@ _TINY = 1e-20  # keeps the norm of a vanishing stress deviator differentiable
 
 @dataclass(frozen=True)
 class MomentumSymbols:
-    """Symbols of the form: unknown (u_x, u_y, p), thermal strain e, p - P, element data, and material constants."""
+    """Symbols of the form: unknown (u_x, u_y, p), thermal strain e, p - P, element data, and moduli."""
 
     unknown: ufl.Coefficient
     thermal_strain: ufl.Coefficient
     settled_pressure: ufl.Coefficient
     element: ufl.Coefficient
-    shear_modulus: ufl.Constant
-    bulk_modulus: ufl.Constant
+    moduli: ufl.Coefficient
     stabilisation: ufl.Constant
 
     @staticmethod
@@ -55,12 +54,13 @@ class MomentumSymbols:
         They are numbered here: ffcx 0.5 takes names from the numbers and can't compile those of two digits, which
         ufl's own count reaches when symbols are made again.
         """
-        mixed, scalar, element = (
+        mixed, scalar, element, pair = (
             ufl.FunctionSpace(domain, kind)
             for kind in (
                 runtime.nodal_element(3),
                 runtime.nodal_element(1),
                 runtime.cell_element(ELEMENT_COMPONENTS),
+                runtime.cell_element(2),
             )
         )
         return MomentumSymbols(
@@ -68,9 +68,8 @@ class MomentumSymbols:
             ufl.Coefficient(scalar, count=1),
             ufl.Coefficient(scalar, count=2),
             ufl.Coefficient(element, count=3),
+            ufl.Coefficient(pair, count=4),
             ufl.Constant(domain, count=0),
-            ufl.Constant(domain, count=1),
-            ufl.Constant(domain, count=2),
         )
 
 
@@ -86,7 +85,7 @@ def momentum_forms(domain: ufl.Mesh, symbols: MomentumSymbols) -> tuple[Forms, F
     test, trial = ufl.TestFunction(space), ufl.TrialFunction(space)
     v, q = ufl.as_vector((test[0], test[1])), test[2]
     u, p = ufl.as_vector((symbols.unknown[0], symbols.unknown[1])), symbols.unknown[2]
-    mu, kappa = symbols.shear_modulus, symbols.bulk_modulus
+    mu, kappa = symbols.moduli[0], symbols.moduli[1]
     data, e = symbols.element, symbols.thermal_strain
 
     f = ufl.Identity(2) + ufl.grad(u)
@@ -108,7 +107,7 @@ def momentum_forms(domain: ufl.Mesh, symbols: MomentumSymbols) -> tuple[Forms, F
 
 
 def _stress_deviator(
-    f: ufl.core.expr.Expr, j: ufl.core.expr.Expr, mu: ufl.Constant, data: ufl.Coefficient
+    f: ufl.core.expr.Expr, j: ufl.core.expr.Expr, mu: ufl.core.expr.Expr, data: ufl.Coefficient
 ) -> ufl.core.expr.Expr:
     """In-plane part of the deviatoric Kirchhoff stress after radial return (Box 3, steps 2 and 3)."""
     b_n = ufl.as_matrix(((data[BE_XX], data[BE_XY]), (data[BE_XY], data[BE_YY])))

@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 from meshing.mesh import Mesh, signed_areas
 from meshing.remesh import RemeshMap, SpacingRules, remesh
 from meshing.sizes import SizeField
+from pfemcut.contact.surface import Surface
 from pfemcut.pfem.estimators import coarsening_factors
 from pfemcut.pfem.loads import part_particles
 from pfemcut.pfem.state import Clock, Fields
 from pfemcut.problem import ParticleControls, Problem
-from pfemcut.tools.rigid_wedge import RigidWedge
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -25,9 +25,16 @@ _CONTACT_EDGE = 0.1  # an edge whose ends are closer to the tool than this times
 
 
 def remesh_particles(
-    problem: Problem, mesh: Mesh, fields: Fields, clock: Clock, probe_ids: IntArray
+    problem: Problem,
+    mesh: Mesh,
+    fields: Fields,
+    tools: tuple[Surface, ...],
+    clock: Clock,
+    probe_ids: IntArray,
 ) -> tuple[Mesh, RemeshMap]:
-    """Remove and insert particles and triangulate anew; particles with ``probe_ids`` stay.
+    """Remove and insert particles of one body and triangulate anew.
+
+    ``tools`` are what its boundary may touch; particles with ``probe_ids`` stay.
 
     Raises
     ------
@@ -36,7 +43,6 @@ def remesh_particles(
     """
     controls = problem.particles
     sizes = sizes_at(problem, clock.time)
-    tools = tuple(tool.at(clock.time) for tool in problem.tool)
     score = plastic_power_score(mesh, fields, controls)
     probes = np.isin(mesh.ids, probe_ids)
     locked = supported_particles(problem, mesh) | probes
@@ -93,7 +99,7 @@ def supported_particles(problem: Problem, mesh: Mesh) -> BoolArray:
     On a straight one, such as a symmetry line, a collapse stays on the line, so those are edited like others.
     """
     names = {motion.part for motion in problem.motions}
-    numbers = [i for i, name in enumerate(problem.body.parts) if name in names]
+    numbers = [i for i, name in enumerate(problem.parts) if name in names]
     boundary = mesh.boundary
     held = np.isin(boundary.parts, numbers)
     at = mesh.points[boundary.particles]
@@ -113,7 +119,7 @@ def _removal_scale(mesh: Mesh, score: Array, controls: ParticleControls) -> Arra
 
 
 def _free_particles(
-    problem: Problem, mesh: Mesh, tools: tuple[RigidWedge, ...], sizes: SizeField, locked: BoolArray
+    problem: Problem, mesh: Mesh, tools: tuple[Surface, ...], sizes: SizeField, locked: BoolArray
 ) -> BoolArray:
     """Boundary particles away from tools and supports, which may shift to keep the area; shape (n,)."""
     free = np.zeros(len(mesh.points), dtype=bool)
@@ -126,7 +132,7 @@ def _free_particles(
     return free
 
 
-def _place_on_surface(a: Array, b: Array, tools: tuple[RigidWedge, ...]) -> Array:
+def _place_on_surface(a: Array, b: Array, tools: tuple[Surface, ...]) -> Array:
     """Middles of the edges a-b, moved off the tool: on it to the mean gap of the ends, elsewhere out of it."""
     middle = 0.5 * (a + b)
     length = np.hypot(*(b - a).T)

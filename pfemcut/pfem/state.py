@@ -7,7 +7,7 @@ holds every field.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any
@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from meshing.bodies import separated
 from meshing.mesh import Boundary, Mesh
 from pfemcut.materials.volumetric import volume_ratio_from_pressure
 
@@ -139,6 +140,26 @@ def initial_fields(
     )
 
 
+def separated_fields(fields: Fields, mesh: Mesh) -> tuple[Fields, ...]:
+    """The fields of each body of ``mesh``."""
+    if len(mesh.first_particles) == 1:
+        return (fields,)
+    ranges = {Where.PARTICLE: mesh.particle_ranges, Where.ELEMENT: mesh.cell_ranges}
+    return tuple(
+        Fields(**{each.name: getattr(fields, each.name)[ranges[each.where][i]] for each in declarations()})
+        for i in range(len(mesh.first_particles))
+    )
+
+
+def joined_fields(parts: Sequence[Fields]) -> Fields:
+    """Fields of all bodies, one after the other."""
+    if len(parts) == 1:
+        return parts[0]
+    return Fields(
+        **{each.name: np.concatenate([getattr(part, each.name) for part in parts]) for each in declarations()}
+    )
+
+
 @dataclass(frozen=True)
 class Clock:
     """Time stepping state.
@@ -215,6 +236,14 @@ class State:
     tool_temperature: Array
 
 
+def separated_states(state: State, first_parts: Sequence[int]) -> tuple[State, ...]:
+    """``state`` with the mesh and the fields of each body alone, whose parts begin with the ``first_parts``."""
+    if len(first_parts) == 1:
+        return (state,)
+    pairs = zip(separated(state.mesh, first_parts), separated_fields(state.fields, state.mesh), strict=True)
+    return tuple(dataclasses.replace(state, mesh=mesh, fields=fields) for mesh, fields in pairs)
+
+
 def to_arrays(state: State) -> dict[str, NDArray[np.generic]]:
     """Flat named arrays of the whole state, for a checkpoint."""
     mesh = state.mesh
@@ -226,6 +255,8 @@ def to_arrays(state: State) -> dict[str, NDArray[np.generic]]:
         "mesh/boundary/particles": mesh.boundary.particles,
         "mesh/boundary/parts": mesh.boundary.parts,
         "mesh/boundary/starts": mesh.boundary.starts,
+        "mesh/first_particles": mesh.first_particles,
+        "mesh/first_cells": mesh.first_cells,
         "initial_mass": np.asarray(state.initial_mass),
         "initial_kinetic_energy": np.asarray(state.initial_kinetic_energy),
         "probes": state.probes,
@@ -255,6 +286,8 @@ def from_arrays(arrays: Mapping[str, NDArray[np.generic]]) -> State:
         Boundary(whole("boundary/particles"), whole("boundary/parts"), whole("boundary/starts")),
         whole("ids"),
         int(whole("next_id")),
+        whole("first_particles"),
+        whole("first_cells"),
     )
     return State(
         mesh,

@@ -10,26 +10,23 @@ from numpy.typing import NDArray
 
 from meshing.mesh import Mesh, signed_areas
 from meshing.remesh import RemeshMap
-from meshing.triangulation import BoundaryCrossing, TriangulationFailed
 from pfemcut.allocator import keep_freed_memory
 from pfemcut.fem.heat_system import HeatKernels, HeatSolveFailed
 from pfemcut.fem.momentum_system import MomentumKernels
 from pfemcut.fem.partition import Partition
-from pfemcut.materials.material import Material
 from pfemcut.materials.return_mapping import ReturnMappingFailed
-from pfemcut.method import CutEnded, RunStopped
+from pfemcut.method import RunStopped
 from pfemcut.pfem import energies
-from pfemcut.pfem.conservation import restore_heat
+from pfemcut.pfem.bodies import moduli, thermal_strains
+from pfemcut.pfem.body_contact import deformable_tools, force_within
 from pfemcut.pfem.kinematics import element_mean
 from pfemcut.pfem.loads import nodal_loads, part_particles
-from pfemcut.pfem.mechanics import Motion, PlasticUpdate, solve_motion, thermal_strain, update_plasticity
+from pfemcut.pfem.mechanics import Motion, PlasticUpdate, solve_motion, update_plasticity
 from pfemcut.pfem.newton import StepFailed
-from pfemcut.pfem.particles import remesh_particles
-from pfemcut.pfem.prediction import predict
+from pfemcut.pfem.particle_step import first_iterate, particle_step
 from pfemcut.pfem.state import Clock, Fields, Ledger, State
 from pfemcut.pfem.step_size import flow_change, next_step
 from pfemcut.pfem.thermal import Heating, solve_heat
-from pfemcut.pfem.transfer import carry_volume, transfer_fields
 from pfemcut.problem import HeatSource, Problem
 from pfemcut.timing import Stopwatch
 from pfemcut.tools.heat_block import HeatBlock
@@ -105,7 +102,7 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
         If the body touches itself.
     """
     # Box 1: the particles are where the last step moved them; remove, insert, triangulate, transfer.
-    mesh, fields, remesh_map = _particle_step(problem, state, watch)
+    mesh, fields, remesh_map = particle_step(problem, state, watch)
     wished = step = _step_length(problem, state.clock)
     cuts = 0
     with watch.phase("mesh"):
@@ -120,7 +117,7 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
                     partition,
                     mesh,
                     fields,
-                    predict(problem, state, mesh, fields, step, steady=cuts == 0),
+                    first_iterate(problem, state, mesh, fields, step, steady=cuts == 0),
                     start_time=state.clock.time,
                     step=step,
                     last_step=state.clock.last_dt,
@@ -148,6 +145,7 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
                 motion.volume_ratio,
                 _heating_power(problem, motion, plastic, power, step),
                 motion.contact,
+                motion.body_contact,
                 kernels.heat_blocks,
                 state.tool_temperature,
                 state.clock.time + step,
@@ -212,27 +210,6 @@ def _step_length(problem: Problem, clock: Clock) -> float:
     return min(clock.next_dt, 0.5 * remaining)
 
 
-def _particle_step(
-    problem: Problem, state: State, watch: Stopwatch
-) -> tuple[Mesh, Fields, tuple[RemeshMap, ...]]:
-    if not problem.particles.remesh:
-        unchanged = np.ones(len(state.mesh.cells), dtype=bool)
-        return state.mesh, carry_volume(problem, state.mesh, state.fields, unchanged), ()
-    with watch.phase("particles"):
-        try:
-            mesh, remesh_map = remesh_particles(problem, state.mesh, state.fields, state.clock, state.probes)
-        except (BoundaryCrossing, TriangulationFailed) as failure:
-            what = f"{problem.body.name} after step {state.clock.step}"
-            if isinstance(failure, BoundaryCrossing) and problem.cut:
-                raise CutEnded(f"{what} touches itself: {failure}") from failure
-            raise RunStopped(f"{what} can't be triangulated: {failure}") from failure
-    with watch.phase("transfer"):
-        fields = transfer_fields(state.fields, state.mesh, mesh, remesh_map, problem.particles.transfer)
-        fields = carry_volume(problem, mesh, fields, remesh_map.unchanged)
-        fields = restore_heat(problem, state.mesh, state.fields, mesh, fields, remesh_map)
-    return mesh, fields, (remesh_map,)
-
-
 def _why(state: State, mesh: Mesh, fields: Fields, step: float, failure: Exception) -> str:
     speed = np.hypot(*(fields.last_displacement / state.clock.last_dt).T)
     x, y = mesh.points[int(np.argmax(speed))]
@@ -270,20 +247,28 @@ def _record(
     step: float,
 ) -> tuple[StepRecord, Ledger]:
     """History record of the step, and the ledger with the step's work and heat."""
-    material = problem.body.material
     areas = signed_areas(moved.points, moved.cells)
     total_power = float(np.sum(power * areas))
     force = np.zeros(2)
     work = friction = spring = 0.0
-    for tool, result in zip(problem.tool, motion.contact, strict=True):
+    for tool, result in zip(problem.rigid_tools, motion.contact, strict=True):
         on_body = result.forces.forces.sum(axis=0)
         force -= on_body
         # Trapezoidal rule: from the force at the start of the step to the one at its end.
         work += 0.5 * float((on_body - state.last_tool_force) @ np.asarray(tool.velocity)) * step
         friction += float(result.forces.friction_power.sum()) * step
         spring += float(result.forces.energy.sum())
+    for found in motion.body_contact:
+        friction += float(found.friction_power.sum()) * step
+        spring += float(found.energy.sum())
+    for tool, particles in deformable_tools(problem, mesh):
+        on_tool = force_within(motion.body_contact, particles)
+        force += on_tool
+        # It is what its supports, which all move with the tool, put in.
+        work -= 0.5 * float((on_tool + state.last_tool_force) @ np.asarray(tool.velocity)) * step
     warming = element_mean(
-        thermal_strain(material, fields.temperature) - thermal_strain(material, fields.momentum_temperature),
+        thermal_strains(problem, mesh, fields.temperature)
+        - thermal_strains(problem, mesh, fields.momentum_temperature),
         mesh.cells,
     )
     pressure = element_mean(motion.pressure, mesh.cells)
@@ -295,7 +280,7 @@ def _record(
         thermoelastic=float(np.sum(pressure * warming * areas)),
         contact=spring - energies.contact_energy(problem, mesh, state.clock.time),
         boundary_work=_boundary_work(problem, state, mesh, motion, reactions, step),
-        stabilisation=_stabilisation_work(material, mesh, fields, motion, pressure, warming, areas),
+        stabilisation=_stabilisation_work(problem, mesh, fields, motion, pressure, warming, areas),
         heat_generated=heating.generated,
         heat_supplied=heating.supplied,
         heat_to_tool=heating.to_tool,
@@ -328,7 +313,7 @@ def _support_forces(problem: Problem, mesh: Mesh, fields: Fields, motion: Motion
 
 
 def _stabilisation_work(
-    material: Material,
+    problem: Problem,
     mesh: Mesh,
     fields: Fields,
     motion: Motion,
@@ -342,18 +327,26 @@ def _stabilisation_work(
     """
     before = element_mean(fields.pressure, mesh.cells)
     unexplained = np.log(motion.volume_ratio / fields.volume_ratio)
-    unexplained -= (pressure - before) / material.bulk_modulus + warming
+    unexplained -= (pressure - before) / moduli(problem, mesh)[:, 1] + warming
     return float(np.sum(0.5 * (before + pressure) * unexplained * areas))
 
 
 def _boundary_work(
     problem: Problem, state: State, mesh: Mesh, motion: Motion, reactions: Array, step: float
 ) -> float:
-    """Work of prescribed motions and of loads over the step (mJ/mm), by the trapezoidal rule."""
+    """Work of prescribed motions, but a tool's, and of loads over the step (mJ/mm), by the trapezoidal rule."""
     start = state.clock.time
     work = 0.0
+    driven = {
+        part
+        for tool in problem.tool
+        for body in problem.bodies
+        if body.name == tool.body
+        for part in body.parts
+    }
     for each, before, after in zip(problem.motions, state.last_reactions, reactions, strict=True):
-        work += 0.5 * float((before + after) @ each.increment(start, start + step))
+        if each.part not in driven:
+            work += 0.5 * float((before + after) @ each.increment(start, start + step))
     at_start = nodal_loads(problem, mesh, np.zeros_like(motion.displacement), start)
     at_end = nodal_loads(problem, mesh, motion.displacement, start + step)
     return work + 0.5 * float(np.sum((at_start + at_end) * motion.displacement))
@@ -363,20 +356,19 @@ def _remeshing_amounts(
     problem: Problem, state: State, mesh: Mesh, fields: Fields, remesh_map: tuple[RemeshMap, ...]
 ) -> dict[str, float]:
     """What the transfer changed: stored energy, penalty energy, heat content, area and counts."""
-    amounts: dict[str, float] = {}
-    for each in remesh_map:
-        energy = energies.elastic_energy(problem, mesh, fields)
-        heat = energies.heat_content(problem, mesh, fields)
-        spring = energies.contact_energy(problem, mesh, state.clock.time)
-        amounts = {
-            "remeshing": energy
-            + spring
-            - energies.elastic_energy(problem, state.mesh, state.fields)
-            - energies.contact_energy(problem, state.mesh, state.clock.time),
-            "heat_remeshing": heat - energies.heat_content(problem, state.mesh, state.fields),
-            "area_drift": each.area_after - each.area_before,
-            "inserted": len(each.inserted_cells),
-            "removed": each.removed,
-            "outside": each.outside,
-        }
-    return amounts
+    if not remesh_map:
+        return {}
+    energy = energies.elastic_energy(problem, mesh, fields)
+    heat = energies.heat_content(problem, mesh, fields)
+    spring = energies.contact_energy(problem, mesh, state.clock.time)
+    return {
+        "remeshing": energy
+        + spring
+        - energies.elastic_energy(problem, state.mesh, state.fields)
+        - energies.contact_energy(problem, state.mesh, state.clock.time),
+        "heat_remeshing": heat - energies.heat_content(problem, state.mesh, state.fields),
+        "area_drift": sum(each.area_after - each.area_before for each in remesh_map),
+        "inserted": sum(len(each.inserted_cells) for each in remesh_map),
+        "removed": sum(each.removed for each in remesh_map),
+        "outside": sum(each.outside for each in remesh_map),
+    }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,10 +11,13 @@ from scipy.sparse import csr_matrix
 
 from meshing.mesh import Mesh, signed_areas
 from pfemcut.contact.heat import HeatExchange, exchange_matrix
+from pfemcut.contact.node_to_segment import SurfaceContact
 from pfemcut.fem.heat_system import HeatKernels, solve_temperature_increment
 from pfemcut.fem.partition import Partition
 from pfemcut.materials.enthalpy import specific_enthalpy, temperature_at
 from pfemcut.materials.material import Property
+from pfemcut.pfem.bodies import densities, over_cells, over_particles
+from pfemcut.pfem.body_contact import heat_exchange
 from pfemcut.pfem.kinematics import element_mean, lumped, tributary_lengths
 from pfemcut.pfem.loads import part_edges, part_particles
 from pfemcut.pfem.mechanics import ContactResult
@@ -65,6 +69,7 @@ def solve_heat(
     volume_ratio: Array,
     plastic_power: Array,
     contact: tuple[ContactResult, ...],
+    body_contact: tuple[SurfaceContact, ...],
     blocks: tuple[HeatBlock, ...],
     tool_temperature: Array,
     time: float,
@@ -88,20 +93,29 @@ def solve_heat(
         J at the end of the step; (m,).
     plastic_power
         Plastic power per current volume (mW/mm³); (m,).
-    contact
+    contact, body_contact
         Contact results, whose friction heats.
     blocks, tool_temperature
         The block of a conducting tool and its temperature at the start of the step (K), or none and empty.
     time, step
         Time at the end of the step, and its length (s).
     """
-    material = problem.body.material
     count = len(mesh.points)
+    element_temperature = element_mean(temperature, mesh.cells)
     areas = signed_areas(mesh.points, mesh.cells)
-    mass = lumped(material.density * areas / volume_ratio, mesh.cells, count)
-    sources = lumped(material.taylor_quinney * plastic_power * areas, mesh.cells, count)
+    mass = lumped(densities(problem, mesh) * areas / volume_ratio, mesh.cells, count)
+    sources = lumped(
+        over_cells(problem, mesh, lambda body, c: body.material.taylor_quinney * plastic_power[c]) * areas,
+        mesh.cells,
+        count,
+    )
     for each in contact:
         sources[each.particles] += problem.contact.heat_partition * each.forces.friction_power
+    for pair, found in zip(problem.pairs, body_contact, strict=True):
+        # To the slave its share, to the master the rest (eqs. 34, 35 with halves).
+        to_slave = pair.law.heat_partition
+        share = np.where(found.shape > 0.0, to_slave, to_slave - 1.0)
+        np.add.at(sources, found.particles, share * found.shape * found.friction_power[:, None])
     touching = _touching(problem, contact)
     flux, exchange = _boundary_flux(problem, mesh, temperature, time)
 
@@ -116,11 +130,25 @@ def solve_heat(
         for tool, block in zip(problem.tool, blocks, strict=False)
     ]
     surface_power = [at.T @ touching.tool_power for at in places]
-    interface = _interface(problem, touching, fixed, blocks, places, surface_power, tool_temperature, step)
+    if problem.pairs:
+        interface = heat_exchange(problem, body_contact, fixed)
+    else:
+        interface = _interface(
+            problem, touching, fixed, blocks, places, surface_power, tool_temperature, step
+        )
     drawn = np.zeros(count)
     drawn[interface.particles] = interface.taken(temperature)
-    conductivity = material.conductivity(element_mean(temperature, mesh.cells))
-    specific_heat = material.capacity(temperature)
+    conductivity = over_cells(
+        problem, mesh, lambda body, c: body.material.conductivity(element_temperature[c])
+    )
+
+    def by_capacity(of: Callable[..., Array], *values: Array) -> Array:
+        """``of`` the specific heat of each body and the values of its particles."""
+        return over_particles(
+            problem, mesh, lambda body, p: of(body.material.capacity, *(each[p] for each in values))
+        )
+
+    specific_heat = by_capacity(lambda capacity, at: capacity(at), temperature)
     for _ in range(_SOLVES):
         increment = solve_temperature_increment(
             kernels,
@@ -135,12 +163,12 @@ def solve_heat(
             fixed,
             fixed_increment,
         )
-        warming = _warming(material.capacity, temperature, increment, specific_heat * increment)
+        warming = by_capacity(_warming, temperature, increment, specific_heat * increment)
         warming[fixed] = fixed_increment[fixed]
         if np.max(np.abs(warming - increment)) <= _ENOUGH:
             break
-        specific_heat = _secant(material.capacity, temperature, warming)
-    stored = float(mass @ _gain(material.capacity, temperature, warming))
+        specific_heat = by_capacity(_secant, temperature, warming)
+    stored = float(mass @ by_capacity(_gain, temperature, warming))
     generated = float(sources.sum()) * step
     through = float(flux.sum() - exchange @ increment) * step
     taken = interface.taken(temperature + increment)

@@ -30,14 +30,26 @@ from pfemcut.problem.controls import (
     TimeControls,
     VolumetricHistory,
 )
-from pfemcut.problem.problem import Body, Conductor, ContactLaw, Cut, MovingTool, Probe, Problem
+from pfemcut.problem.problem import (
+    Body,
+    Conductor,
+    ContactIntegration,
+    ContactLaw,
+    ContactPair,
+    Cut,
+    MovingTool,
+    Probe,
+    Problem,
+)
 
 __all__ = [
     "Axis",
     "Body",
     "Coarsening",
     "Conductor",
+    "ContactIntegration",
     "ContactLaw",
+    "ContactPair",
     "Convection",
     "Cut",
     "DistributedForce",

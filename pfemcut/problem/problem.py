@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from enum import Enum
 
 from meshing.initial import Arc
 from meshing.mesh import Mesh
+from meshing.sizes import SizeField
 from pfemcut.contact.conductance import Conductance
 from pfemcut.contact.friction import FrictionLaw
 from pfemcut.materials.material import Material
@@ -46,6 +48,10 @@ class Body:
         Sides that are circular arcs.
     given
         A mesh to start from instead of meshing the outline, none or one.
+    remesh
+        Whether its particles are triangulated anew, inserted and removed, if the problem's are.
+    sizes
+        Spacing of the initial mesh, if not that of the problem.
     """
 
     name: str
@@ -56,14 +62,20 @@ class Body:
     velocity: tuple[float, float] = (0.0, 0.0)
     arcs: tuple[Arc, ...] = ()
     given: tuple[Mesh, ...] = ()
+    remesh: bool = True
+    sizes: tuple[SizeField, ...] = ()
 
 
 @dataclass(frozen=True)
 class Probe:
-    """A particle whose displacement and temperature the history follows: the one nearest ``point`` at the start."""
+    """A particle whose displacement and temperature the history follows: the one nearest ``point`` at the start.
+
+    ``body`` is the number of the body whose particle it is.
+    """
 
     name: str
     point: tuple[float, float]
+    body: int = 0
 
 
 @dataclass(frozen=True)
@@ -93,7 +105,7 @@ class Conductor:
 
 @dataclass(frozen=True)
 class MovingTool:
-    """A rigid tool at time zero, and how it moves and conducts.
+    """A tool at time zero, and how it moves and conducts.
 
     Attributes
     ----------
@@ -105,12 +117,15 @@ class MovingTool:
         Of the tool, or at the start and of its holder if it conducts (K).
     conductor
         Its block if it conducts heat, else none: then it keeps its temperature.
+    body
+        Name of the body that it is, if it is deformable: then the shape is that of the tool without load.
     """
 
     shape: RigidWedge
     velocity: tuple[float, float]
     temperature: float = 293.15
     conductor: tuple[Conductor, ...] = ()
+    body: str = ""
 
     def at(self, time: float) -> RigidWedge:
         """The tool at ``time`` (s)."""
@@ -145,6 +160,36 @@ class ContactLaw:
     conductance: Conductance = Conductance(0.0)
 
 
+class ContactIntegration(Enum):
+    """Where contact between bodies acts: at the particles of the slave surface, or at Gauss points of its edges."""
+
+    NODES = "nodes"
+    EDGES = "edges"
+
+
+@dataclass(frozen=True)
+class ContactPair:
+    """Two surfaces that may touch.
+
+    Attributes
+    ----------
+    slave, master
+        Boundary parts of the one and of the other; the slave's points are held off the master's surface.
+    integration
+        See the enumeration.
+    smooth
+        Whether the master's surface is a smooth curve instead of the polygon of its edges.
+    law
+        Law of this contact.
+    """
+
+    slave: tuple[str, ...]
+    master: tuple[str, ...]
+    law: ContactLaw
+    integration: ContactIntegration = ContactIntegration.NODES
+    smooth: bool = True
+
+
 @dataclass(frozen=True)
 class Cut:
     """What derived figures of an orthogonal cut refer to.
@@ -173,13 +218,13 @@ class Problem:
     title
         One line for reports.
     body
-        The deforming body.
+        The deforming body; in a cut the workpiece.
     motions, forces, tractions, pressures, temperatures, fluxes, heat_bands, convections
         Boundary conditions by part name; a boundary without any is free and adiabatic.
     tool
-        Rigid tools, none or one.
+        Tools, none or one.
     contact
-        Law of contact between body and tool.
+        Law of contact between body and rigid tool.
     particles, time, newton
         Controls.
     stabilisation
@@ -190,6 +235,10 @@ class Problem:
         Points to follow.
     stabilisation_modulus
         Shear modulus in the pressure projection.
+    others
+        Other deforming bodies.
+    pairs
+        Contacts between bodies.
     """
 
     title: str
@@ -211,3 +260,39 @@ class Problem:
     convections: tuple[Convection, ...] = ()
     probes: tuple[Probe, ...] = ()
     stabilisation_modulus: StabilisationModulus = StabilisationModulus.ELASTIC
+    others: tuple[Body, ...] = ()
+    pairs: tuple[ContactPair, ...] = ()
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """All deforming bodies."""
+        return (self.body, *self.others)
+
+    @property
+    def alone(self) -> tuple[PartProblem, ...]:
+        """The problem of each body alone."""
+        found, first = [], 0
+        for body in self.bodies:
+            found.append(
+                PartProblem(replace(self, body=body, others=(), pairs=()) if self.others else self, first)
+            )
+            first += len(body.parts)
+        return tuple(found)
+
+    @property
+    def rigid_tools(self) -> tuple[MovingTool, ...]:
+        """Tools that do not deform."""
+        return tuple(tool for tool in self.tool if not tool.body)
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """Names of the boundary parts of all bodies, by part number."""
+        return tuple(name for body in self.bodies for name in body.parts)
+
+
+@dataclass(frozen=True)
+class PartProblem:
+    """The problem of one body alone, and the number in the whole of its first boundary part."""
+
+    problem: Problem
+    first_part: int

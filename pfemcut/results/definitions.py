@@ -131,6 +131,50 @@ FIGURES = (
         "mm",
         "Distance from the rake tangent point along the rake face; negative on tip and flank.",
     ),
+    Definition(
+        "tool_hottest_depth",
+        "Hottest point of the tool, depth",
+        "mm",
+        "Distance below the rake face's plane.",
+    ),
+    Definition(
+        "tool_max_von_mises",
+        "Largest von Mises stress in the tool",
+        "MPa",
+        "Of the stress averaged around each particle of a deformable tool.",
+    ),
+    Definition(
+        "tool_von_mises_along_rake",
+        "Where: up the rake face",
+        "mm",
+        "Of the largest von Mises stress, from the rake tangent point, in the tool without load.",
+    ),
+    Definition("tool_von_mises_depth", "Where: below the rake face", "mm", "Of the same point."),
+    Definition(
+        "tool_max_principal",
+        "Largest principal stress in the tool",
+        "MPa",
+        "Tension positive, of the averaged stress.",
+    ),
+    Definition(
+        "tool_principal_along_rake", "Where: up the rake face", "mm", "Of the largest principal stress."
+    ),
+    Definition("tool_principal_depth", "Where: below the rake face", "mm", "Of the same point."),
+    Definition(
+        "tool_min_principal",
+        "Smallest principal stress in the tool",
+        "MPa",
+        "The largest compression, negative, of the averaged stress.",
+    ),
+    Definition("tool_compression_along_rake", "Where: up the rake face", "mm", "Of the largest compression."),
+    Definition("tool_compression_depth", "Where: below the rake face", "mm", "Of the same point."),
+    Definition(
+        "tool_tip_deflection_x",
+        "Deflection of the tip, x",
+        "mm",
+        "Mean over the tip circle, against the motion positive; from where the tool would be without load.",
+    ),
+    Definition("tool_tip_deflection_y", "Deflection of the tip, y", "mm", "Likewise, upwards positive."),
     Definition("peak_strain_rate", "Peak plastic strain rate", "1/s", "Largest of all elements."),
     Definition("max_eqps", "Maximum equivalent plastic strain", "-", "Largest of all elements."),
     Definition(

@@ -14,6 +14,7 @@ from pfemcut.results.derived.contact_length import contact_end_temperature, tip_
 from pfemcut.results.derived.extremes import hottest_point, peak_strain_rate
 from pfemcut.results.derived.shear_angle import shear_angle_of_band, shear_angle_of_ratio
 from pfemcut.results.derived.stagnation import stagnation_height
+from pfemcut.results.derived.tool_state import tool_columns
 
 
 def derived_columns(frame: Frame, cut: Cut) -> dict[str, float]:
@@ -37,4 +38,5 @@ def derived_columns(frame: Frame, cut: Cut) -> dict[str, float]:
         "contact_end_temperature": contact_end_temperature(frame),
         "hottest_along_rake": along,
         "hottest_from_rake": away,
+        **tool_columns(frame),
     }

@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from pfemcut.method import Frame
 from pfemcut.results.derived.contact_length import temperature
+from pfemcut.results.derived.tool_state import without_load
 
 Array = NDArray[np.float64]
 
-_ON_SURFACE = 1e-7  # mm; written positions are in double precision
+_ON_SURFACE = 0.02  # of the tip radius: the edges of a mesh may touch the tip circle from outside
 
 
 @dataclass(frozen=True)
@@ -38,8 +39,9 @@ class ToolProfile:
 def tool_surface_temperature(frame: Frame) -> tuple[Array, Array]:
     """Arc length (mm), rising, and temperature (K) of the surface of a tool that conducts heat; both empty without."""
     for tool, block in zip(frame.tool, frame.tool_blocks, strict=False):
-        on_surface = np.abs(tool.closest(block.points).gap) < _ON_SURFACE
-        arc = tool.arc_length(block.points[on_surface])
+        points = without_load(block)
+        on_surface = np.abs(tool.closest(points).gap) < _ON_SURFACE * tool.tip_radius
+        arc = tool.arc_length(points[on_surface])
         order = np.argsort(arc, kind="stable")
         return arc[order], np.asarray(block.point_fields["temperature"], dtype=np.float64)[on_surface][order]
     return np.empty(0), np.empty(0)
