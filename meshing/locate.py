@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-
-_CHUNK = 4_000_000  # point-triangle pairs tested at once: bounds the memory to some 100 MB
 
 
 @dataclass(frozen=True)
@@ -39,23 +38,30 @@ def locate(points: Array, cells: IntArray, queries: Array, tolerance: float = 1e
     new Gauss points lie in the triangles that vanished. The triangle with the largest smallest barycentric
     coordinate wins; it is the containing one, or the nearest in that measure.
     """
-    a = points[cells[:, 0]]
-    u, v = points[cells[:, 1]] - a, points[cells[:, 2]] - a
-    inverse_area = 1.0 / (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
-    best = np.empty(len(queries), dtype=np.int64)
-    coordinates = np.empty((len(queries), 3))
-    rows = max(1, _CHUNK // max(1, len(cells)))
-    for first in range(0, len(queries), rows):
-        d = queries[first : first + rows, None, :] - a
-        xi = (d[..., 0] * v[:, 1] - d[..., 1] * v[:, 0]) * inverse_area
-        eta = (u[:, 0] * d[..., 1] - u[:, 1] * d[..., 0]) * inverse_area
-        smallest = np.minimum(np.minimum(xi, eta), 1.0 - xi - eta)
-        winner = np.argmax(smallest, axis=1)
-        row = np.arange(len(winner))
-        best[first : first + rows] = winner
-        xi, eta = xi[row, winner], eta[row, winner]
-        coordinates[first : first + rows] = np.column_stack([1.0 - xi - eta, xi, eta])
+    best, coordinates = _locate(points, cells, queries)
     outside = coordinates.min(axis=1) < -tolerance
     coordinates = np.maximum(coordinates, 0.0)
     coordinates /= coordinates.sum(axis=1, keepdims=True)
     return Location(best, coordinates, outside)
+
+
+@njit(cache=True)
+def _locate(points, cells, queries):  # type: ignore[no-untyped-def]
+    """Winning triangle of each query and its barycentric coordinates, not clipped."""
+    best = np.zeros(len(queries), dtype=np.int64)
+    coordinates = np.empty((len(queries), 3))
+    for q in range(len(queries)):
+        largest = -np.inf
+        for i in range(len(cells)):
+            a, b, c = cells[i, 0], cells[i, 1], cells[i, 2]
+            ux, uy = points[b, 0] - points[a, 0], points[b, 1] - points[a, 1]
+            vx, vy = points[c, 0] - points[a, 0], points[c, 1] - points[a, 1]
+            dx, dy = queries[q, 0] - points[a, 0], queries[q, 1] - points[a, 1]
+            inverse_area = 1.0 / (ux * vy - uy * vx)
+            xi = (dx * vy - dy * vx) * inverse_area
+            eta = (ux * dy - uy * dx) * inverse_area
+            smallest = min(xi, eta, 1.0 - xi - eta)
+            if smallest > largest:
+                largest, best[q] = smallest, i
+                coordinates[q, 0], coordinates[q, 1], coordinates[q, 2] = 1.0 - xi - eta, xi, eta
+    return best, coordinates
