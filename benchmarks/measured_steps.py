@@ -1,6 +1,6 @@
 """Steps of one cut, timed: a worker for the other benchmarks, alone or under mpirun. Prints one line of JSON.
 
-    python benchmarks/measured_steps.py --factor 0.64 [--steps 6] [--skip 3] [--set KEY=VALUE ...]
+    python benchmarks/measured_steps.py --factor 0.64 [--steps 4] [--skip 2] [--set KEY=VALUE ...]
 
 The cut is demos/aisi4340_rake0 from first contact, all mesh sizes but the far one times the factor.
 """
@@ -36,9 +36,9 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--factor", type=float, required=True)
-    parser.add_argument("--steps", type=int, default=6)
+    parser.add_argument("--steps", type=int, default=4)
     parser.add_argument(
-        "--skip", type=int, default=3, help="first steps that are not timed (default: %(default)s)"
+        "--skip", type=int, default=2, help="first steps that are not timed (default: %(default)s)"
     )
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="changes")
     options = parser.parse_args()
