@@ -4,8 +4,8 @@
 
 `pfemcut run` of demos/aisi4340_rake0 at 3330 mm/s with scaled mesh sizes, steps as long as the flow allows up to
 LONGEST, from 0.05 mm of travel on; set-up and compilation are not in it, fields, history and checkpoints are. `half`
-repeats `6k` with half its steps for 0.6 mm: means over the last 0.25 mm of that are compared. Runs that are finished are taken as they are
-(out/bench).
+repeats `6k` with half its steps for 0.6 mm: means over the last 0.25 mm of that are compared. Runs that are finished
+are taken as they are (out/bench).
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from measured_steps import CASE, scaled
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
+from scipy.integrate import trapezoid
 
 from pfemcut.results.published import write_json
 from pfemcut.validation.provenance import ROOT, provenance
@@ -70,7 +70,7 @@ def window_means(directory: Path) -> dict[str, float]:
     history = [row for row in rows(directory / "history.csv") if low <= row["travel"] <= high]
     travel = [row["travel"] for row in history]
     return {
-        name: float(np.trapz([row[name] for row in history], travel)) / (travel[-1] - travel[0])
+        name: float(trapezoid([row[name] for row in history], travel)) / (travel[-1] - travel[0])
         for name in FIGURES
     }
 
