@@ -2,8 +2,9 @@
 
     python demos/aisi4340_deformable/stiffness.py [-o DIR] [--resume | --overwrite] [--travel MM]
 
-On the reduced block and coarse mesh of demos/aisi4340_demo, without friction. The forces with a tool a hundred times stiffer
-than steel must be those with the rigid tool within the scatter of a cut; those with a steel tool within a few per cent.
+On the reduced block and coarse mesh of demos/aisi4340_demo, without friction. The forces with a tool a hundred times
+stiffer than steel must be those with the rigid tool within the scatter of a cut; those with a steel tool within a few
+per cent.
 """
 
 from collections.abc import Sequence
