@@ -49,7 +49,7 @@ validate: $(READY)
 	$(PYTHON) scripts/validate.py -j $(JOBS)
 
 bench: $(READY)
-	@set -e; for script in $(wildcard benchmarks/*.py); do echo "== $$script"; $(PYTHON) $$script; done
+	@set -e; for script in step_time scaling seconds_per_mm; do echo "== $$script"; $(PYTHON) benchmarks/$$script.py; done
 
 lint: $(READY)
 	$(PYTHON) -m ruff check .

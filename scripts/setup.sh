@@ -59,9 +59,14 @@ echo "numpy==$numpy" > .venv/constraints.txt
 
 # 5. Everything together in one process, before anybody waits for a run.
 .venv/bin/python - <<'CHECK' || fail "the installed packages do not work together (see above)"
-import dolfinx, gmsh, h5py, mpi4py.MPI, numpy, petsc4py, pythoncdt, scipy
+import dolfinx, gmsh, h5py, numba, numpy, petsc4py, pythoncdt, scipy
 import pfemcut.cli.main
-from pfemcut.pfem.step import Kernels
-Kernels(mpi4py.MPI.COMM_WORLD)  # compiles the forms, so that a compiler that does not work shows here
+from pfemcut.case.cutting import cutting_problem
+from pfemcut.case.load import load_case
+from pfemcut.pfem.method import PfemMethod
+# Compiles forms and kernels, so that a compiler that does not work shows here and the first run need not wait.
+method = PfemMethod.start(cutting_problem(*load_case("demos/aisi4340_demo/case.toml")))
+for _ in range(3):
+    method.advance()
 print(f"setup: ready with dolfinx {dolfinx.__version__}, petsc4py {petsc4py.__version__}, numpy {numpy.__version__}")
 CHECK

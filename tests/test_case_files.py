@@ -66,7 +66,7 @@ def test_a_short_case_is_filled_with_defaults(case_file: Path) -> None:
     case, material = load_case(case_file)
     assert case.tool.clearance == 5.0
     assert case.mesh.tip_size == 0.005
-    assert case.time.integrator == "impl-ex"
+    assert case.time.integrator == "implicit"
     assert material.name == "AISI 4340"
 
 

@@ -146,7 +146,7 @@ def test_return_mapping_converges_to_the_yield_surface(name: str) -> None:
     undeformed = np.tile([1.0, 1.0, 1.0, 0.0], (len(eqps), 1))
     trial = elastic_trial(undeformed, gradient, material.shear_modulus)
     for step in (1e-9, 1e-7, 1e-3):
-        multiplier = implicit_multiplier(trial, material.hardening, eqps, theta, step)
+        multiplier = implicit_multiplier(trial, material.hardening, eqps, theta, step, np.zeros_like(eqps))
         strain = ROOT_2_3 * multiplier.value
         flow = material.hardening.flow_stress(eqps + strain, strain / step, theta).value
         norm = tensor_norm(returned_deviator(trial, multiplier.value))
@@ -170,7 +170,9 @@ def sheared(
     eqps, theta = np.zeros(points), temperature
     for _ in range(steps):
         trial = elastic_trial(b_elastic, gradient, material.shear_modulus)
-        multiplier = implicit_multiplier(trial, material.hardening, eqps, theta, step).value
+        multiplier = implicit_multiplier(
+            trial, material.hardening, eqps, theta, step, np.zeros_like(eqps)
+        ).value
         increment = ROOT_2_3 * multiplier
         eqps = eqps + increment
         flow = material.hardening.flow_stress(eqps, increment / step, theta).value

@@ -97,10 +97,22 @@ def test_trial_state_is_the_isochoric_push_forward(seed: int) -> None:
     assert trial.norm == pytest.approx(np.linalg.norm(expected, axis=(1, 2)), rel=1e-11)
 
 
+@given(seeds, laws, st.floats(-2.0, 8.0))
+def test_the_guess_changes_nothing(seed: int, law: HardeningLaw, exponent: float) -> None:
+    """Multipliers from any rate to start with agree to 1e-9 of the one that would take all stress."""
+    rng = np.random.default_rng(seed)
+    trial = elastic_trial(random_elastic(rng, 0.05), random_gradient(rng, 0.05), MU)
+    eqps, theta = rng.uniform(0.0, 1.0, len(trial.norm)), rng.uniform(300.0, 900.0, len(trial.norm))
+    plain = implicit_multiplier(trial, law, eqps, theta, STEP, np.zeros_like(eqps)).value
+    guess = rng.uniform(0.0, 10.0**exponent, len(eqps))
+    found = implicit_multiplier(trial, law, eqps, theta, STEP, guess).value
+    assert np.max(np.abs(found - plain) * 2.0 * trial.mu_bar / trial.norm) < 1e-9
+
+
 @given(seeds, laws)
 def test_returned_stress_lies_on_the_yield_surface(seed: int, law: HardeningLaw) -> None:
     trial, eqps, theta = state(seed)
-    multiplier = implicit_multiplier(trial, law, eqps, theta, STEP).value
+    multiplier = implicit_multiplier(trial, law, eqps, theta, STEP, np.zeros_like(eqps)).value
     plastic = multiplier > 0.0
     assert plastic.any()
     assert (
@@ -111,7 +123,7 @@ def test_returned_stress_lies_on_the_yield_surface(seed: int, law: HardeningLaw)
 @given(seeds, laws)
 def test_inside_the_yield_surface_nothing_flows(seed: int, law: HardeningLaw) -> None:
     trial, eqps, theta = state(seed, motion=0.003)
-    found = implicit_multiplier(trial, law, eqps, theta, STEP)
+    found = implicit_multiplier(trial, law, eqps, theta, STEP, np.zeros_like(eqps))
     elastic = trial.norm <= ROOT_2_3 * law.flow_stress(eqps, np.zeros(POINTS), theta).value
     for each in (found.value, found.by_norm, found.by_mu_bar):
         assert np.all((each == 0.0) == elastic)
@@ -137,11 +149,13 @@ def shifted(trial: Trial, norm: float = 0.0, mu_bar: float = 0.0) -> Trial:
 def test_implicit_multiplier_has_its_derivatives(seed: int, law: HardeningLaw) -> None:
     """Central differences; 1e-5 of the derivative where both sides are plastic and above the reference rate."""
     trial, eqps, theta = state(seed)
-    found = implicit_multiplier(trial, law, eqps, theta, STEP)
+    found = implicit_multiplier(trial, law, eqps, theta, STEP, np.zeros_like(eqps))
     h = 1e-6
 
     def value(**change: float) -> Array:
-        return implicit_multiplier(shifted(trial, **change), law, eqps, theta, STEP).value
+        return implicit_multiplier(
+            shifted(trial, **change), law, eqps, theta, STEP, np.zeros_like(eqps)
+        ).value
 
     smooth = found.value > 1e-5
     by_norm = (value(norm=h) - value(norm=-h)) / (2.0 * h * trial.norm)
@@ -187,7 +201,7 @@ def test_update_is_objective(seed: int, law: HardeningLaw, angle: float) -> None
 
     def updated(gradient: Array) -> tuple[Array, Array]:
         trial = elastic_trial(b, gradient, MU)
-        multiplier = implicit_multiplier(trial, law, eqps, theta, STEP).value
+        multiplier = implicit_multiplier(trial, law, eqps, theta, STEP, np.zeros_like(eqps)).value
         return elastic_strain(returned_deviator(trial, multiplier), MU), multiplier
 
     plain, multiplier = updated(f)
@@ -206,7 +220,7 @@ def sheared(law: HardeningLaw, shear: float, steps: int) -> tuple[Array, Array]:
     f = np.array([[[1.0, shear / steps], [0.0, 1.0]]])
     for _ in range(steps):
         trial = elastic_trial(b, f, MU)
-        multiplier = implicit_multiplier(trial, law, eqps, theta, STEP).value
+        multiplier = implicit_multiplier(trial, law, eqps, theta, STEP, np.zeros_like(eqps)).value
         b = elastic_strain(returned_deviator(trial, multiplier), MU)
         eqps = eqps + ROOT_2_3 * multiplier
     return b[0], eqps
@@ -280,8 +294,8 @@ def test_rate_enters_through_the_step() -> None:
     law = LAWS["johnson-cook"]
     trial, _, _ = state(4)
     eqps, theta = np.full(POINTS, 5.0), np.full(POINTS, REFERENCE_TEMPERATURE)
-    slow = implicit_multiplier(trial, law, eqps, theta, 1e-3).value
-    fast = implicit_multiplier(trial, law, eqps, theta, 1e-5).value
+    slow = implicit_multiplier(trial, law, eqps, theta, 1e-3, np.zeros_like(eqps)).value
+    fast = implicit_multiplier(trial, law, eqps, theta, 1e-5, np.zeros_like(eqps)).value
     plastic = slow > 0.0
     stress = [tensor_norm(returned_deviator(trial, each))[plastic] for each in (slow, fast)]
     rates = [1.0 + 0.014 * np.log(ROOT_2_3 * each[plastic] / dt) for each, dt in ((slow, 1e-3), (fast, 1e-5))]

@@ -28,6 +28,7 @@ def variant(integrator: str, factor: int) -> Variant:
             f'title="AISI 4340, {integrator}, {factor} x the paper\'s step"',
             f'time.integrator="{integrator}"',
             f"time.step={factor * STEP!r}",
+            f"time.largest_step={factor * STEP!r}",
         ),
     )
 

@@ -222,7 +222,7 @@ class Time(Section):
         description="Part of the plastic power that a step longer than the nominal one may move between elements",
     )
     integrator: Literal["impl-ex", "implicit"] = Field(
-        default="impl-ex", description="Integrator of the plastic flow in the momentum solve"
+        default="implicit", description="Integrator of the plastic flow in the momentum solve"
     )
     heat_source: Literal["implicit", "extrapolated"] = Field(
         default="implicit", description="Plastic multiplier that heats"

@@ -34,20 +34,21 @@ class DirectSolver:
     def __init__(
         self, comm: MPI.Comm, pointers: Int32Array, columns: Int32Array, values: Array, symmetric: bool
     ):
-        self._rows = (pointers, columns, values)
+        self.rows = (pointers, columns, values)
+        self.symmetric = symmetric
         count = len(pointers) - 1
         if comm.size == 1:
-            self.matrix = PETSc.Mat().createAIJWithArrays((count, count), self._rows, comm=comm)
+            self.matrix = PETSc.Mat().createAIJWithArrays((count, count), self.rows, comm=comm)
         else:
             total = comm.allreduce(count)
-            self.matrix = PETSc.Mat().createAIJ(((count, total), (count, total)), csr=self._rows, comm=comm)
+            self.matrix = PETSc.Mat().createAIJ(((count, total), (count, total)), csr=self.rows, comm=comm)
         self.matrix.setOption(PETSc.Mat.Option.SYMMETRIC, symmetric)
         self._right, self._solution = self.matrix.createVecs()
-        self._solver = PETSc.KSP().create(comm)
-        self._solver.setOptionsPrefix(self._PREFIX)
-        self._solver.setType(PETSc.KSP.Type.PREONLY)
-        self._solver.setOperators(self.matrix)
-        preconditioner = self._solver.getPC()
+        self.solver = PETSc.KSP().create(comm)
+        self.solver.setOptionsPrefix(self._PREFIX)
+        self.solver.setType(PETSc.KSP.Type.PREONLY)
+        self.solver.setOperators(self.matrix)
+        preconditioner = self.solver.getPC()
         preconditioner.setType(PETSc.PC.Type.CHOLESKY if symmetric else PETSc.PC.Type.LU)
         preconditioner.setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
         # Through the options database: petsc4py's setMumpsIcntl is forgotten before the analysis (PETSc 3.18).
@@ -55,25 +56,25 @@ class DirectSolver:
         options["mat_mumps_icntl_7"] = self._AMD
         options["mat_mumps_icntl_12"] = 1  # no matching before the ordering of a symmetric matrix
         options["mat_mumps_icntl_14"] = self._WORKSPACE_PERCENT
-        self._solver.setFromOptions()
+        self.solver.setFromOptions()
 
     def solve(self, right_hand_side: Array) -> tuple[Array, bool]:
         """Factorise the matrix as its values are now and solve, for this rank's rows; false if that failed."""
         self.update()
         self._right.array[:] = right_hand_side
-        self._solver.solve(self._right, self._solution)
-        return self._solution.array_r.copy(), self._solver.getConvergedReason() > 0
+        self.solver.solve(self._right, self._solution)
+        return self._solution.array_r.copy(), self.solver.getConvergedReason() > 0
 
     def update(self) -> PETSc.Mat:
         """The matrix, with its values as they are now."""
         if self.matrix.getComm().size == 1:
             self.matrix.stateIncrease()
         else:
-            self.matrix.setValuesCSR(*self._rows)
+            self.matrix.setValuesCSR(*self.rows)
             self.matrix.assemble()
         return self.matrix
 
     def destroy(self) -> None:
         """Free the PETSc objects."""
-        for owned in (self._solver, self._right, self._solution, self.matrix):
+        for owned in (self.solver, self._right, self._solution, self.matrix):
             owned.destroy()

@@ -7,6 +7,7 @@ and put the result straight into a vector or into the values of a sparse matrix 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,23 +23,32 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class ElementKernel:
-    """The compiled function of a form.
+    """The compiled functions of the parts of a form, which are added.
 
     Attributes
     ----------
-    form
-        The form, which keeps the function alive.
-    address
-        Where the function is.
+    parts
+        The parts, which keep the functions alive.
+    addresses
+        Where the functions are; shape (p,).
     columns
-        Columns of the packed element data (:class:`Packing`) in the order in which the function takes them.
+        Columns of the packed element data (:class:`Packing`) in the order in which each function takes them, -1 after
+        the last; shape (p, width).
     """
 
-    form: runtime.CompiledForm
-    address: int
+    parts: tuple[runtime.CompiledForm, ...]
+    addresses: IntArray
     columns: IntArray
+
+    def constants(self, values: dict[Any, float]) -> Array:
+        """The ``values`` of the symbolic constants as each function takes them; shape (p, most)."""
+        rows = [[values[symbol] for symbol in part.constants] for part in self.parts]
+        table = np.zeros((len(rows), max(1, *map(len, rows)) if rows else 1))
+        for row, taken in zip(table, rows, strict=True):
+            row[: len(taken)] = taken
+        return table
 
 
 class Packing:
@@ -61,10 +71,13 @@ class Packing:
             for (symbol, width), end in zip(widths.items(), ends, strict=True)
         }
 
-    def kernel(self, form: runtime.CompiledForm) -> ElementKernel:
-        """The function of ``form``, whose coefficients are all packed here."""
-        columns = [self._columns[symbol] for symbol in form.coefficients]
-        return ElementKernel(form, form.address, np.concatenate([np.empty(0, dtype=np.int64), *columns]))
+    def kernel(self, parts: Sequence[runtime.CompiledForm]) -> ElementKernel:
+        """The functions of a form's ``parts``, whose coefficients are all packed here."""
+        columns = np.full((len(parts), self.width), -1, dtype=np.int64)
+        for row, part in zip(columns, parts, strict=True):
+            taken = [column for symbol in part.coefficients for column in self._columns[symbol]]
+            row[: len(taken)] = taken
+        return ElementKernel(tuple(parts), np.array([part.address for part in parts]), columns)
 
     def columns(self, symbol: Any) -> slice:
         """Columns of the coefficient ``symbol``."""
@@ -87,17 +100,35 @@ def _call(typing_context, address, tensor, coefficients, constants, coordinates,
 
 
 @njit(cache=True)
-def add_vector(address, columns, data, constants, coordinates, cells, components, total):  # type: ignore[no-untyped-def]
+def _tabulate(tensor, scratch, unused, addresses, columns, data, constants, coordinates):  # type: ignore[no-untyped-def]
+    """Put the sum of the functions' tensors for one element into ``tensor``; ``scratch`` holds coefficients."""
+    tensor[:] = 0.0
+    for part in range(len(addresses)):
+        for k in range(columns.shape[1]):
+            if columns[part, k] < 0:
+                break
+            scratch[k] = data[columns[part, k]]
+        _call(
+            addresses[part],
+            tensor.ctypes.data,
+            scratch.ctypes.data,
+            constants[part].ctypes.data,
+            coordinates.ctypes.data,
+            unused.ctypes.data,
+            unused.ctypes.data,
+        )
+
+
+@njit(cache=True)
+def add_vector(addresses, columns, data, constants, coordinates, cells, components, total):  # type: ignore[no-untyped-def]
     """Add the element vectors of a linear form to ``total`` (n * components,).
 
     Parameters
     ----------
-    address, columns
+    addresses, columns, constants
         Of the form's :class:`ElementKernel`.
     data
         Packed coefficients; shape (m, width).
-    constants
-        Constants of the form; shape (k,).
     coordinates
         Coordinates x, y, 0 of the corners; shape (m, 9).
     cells
@@ -105,22 +136,10 @@ def add_vector(address, columns, data, constants, coordinates, cells, components
     components
         Unknowns a particle.
     """
-    coefficients = np.zeros(max(len(columns), 1))
+    scratch, unused = np.zeros(columns.shape[1]), np.zeros(1)
     vector = np.zeros(3 * components)
-    entity, permutation = np.zeros(1, dtype=np.int32), np.zeros(2, dtype=np.uint8)
     for i in range(len(cells)):
-        for k in range(len(columns)):
-            coefficients[k] = data[i, columns[k]]
-        vector[:] = 0.0
-        _call(
-            address,
-            vector.ctypes.data,
-            coefficients.ctypes.data,
-            constants.ctypes.data,
-            coordinates[i].ctypes.data,
-            entity.ctypes.data,
-            permutation.ctypes.data,
-        )
+        _tabulate(vector, scratch, unused, addresses, columns, data[i], constants, coordinates[i])
         for a in range(3):
             for j in range(components):
                 total[components * cells[i, a] + j] += vector[components * a + j]
@@ -128,7 +147,7 @@ def add_vector(address, columns, data, constants, coordinates, cells, components
 
 @njit(cache=True)
 def add_matrix(  # type: ignore[no-untyped-def]
-    address,
+    addresses,
     columns,
     data,
     constants,
@@ -145,7 +164,7 @@ def add_matrix(  # type: ignore[no-untyped-def]
 
     Parameters
     ----------
-    address, columns, data, constants, coordinates, cells, components
+    addresses, columns, data, constants, coordinates, cells, components
         See :func:`add_vector`; ``cells`` in the numbers of the matrix.
     symmetric
         Add the symmetric part of the element matrices only.
@@ -155,29 +174,17 @@ def add_matrix(  # type: ignore[no-untyped-def]
     values
         Values of the matrix in rows of scalars; changed in place.
     """
-    coefficients = np.zeros(max(len(columns), 1))
+    scratch, unused = np.zeros(columns.shape[1]), np.zeros(1)
     width = 3 * components
-    matrix = np.zeros((width, width))
-    entity, permutation = np.zeros(1, dtype=np.int32), np.zeros(2, dtype=np.uint8)
+    matrix = np.zeros(width * width)
     for i in range(len(cells)):
-        for k in range(len(columns)):
-            coefficients[k] = data[i, columns[k]]
-        matrix[:] = 0.0
-        _call(
-            address,
-            matrix.ctypes.data,
-            coefficients.ctypes.data,
-            constants.ctypes.data,
-            coordinates[i].ctypes.data,
-            entity.ctypes.data,
-            permutation.ctypes.data,
-        )
+        _tabulate(matrix, scratch, unused, addresses, columns, data[i], constants, coordinates[i])
         if symmetric:
             for j in range(width):
                 for k in range(j):
-                    mean = 0.5 * (matrix[j, k] + matrix[k, j])
-                    matrix[j, k] = mean
-                    matrix[k, j] = mean
+                    mean = 0.5 * (matrix[width * j + k] + matrix[width * k + j])
+                    matrix[width * j + k] = mean
+                    matrix[width * k + j] = mean
         for a in range(3):
             row = cells[i, a] - first
             for b in range(3):
@@ -187,8 +194,9 @@ def add_matrix(  # type: ignore[no-untyped-def]
                 start, count = starts[row], starts[row + 1] - starts[row]
                 for j in range(components):
                     at = components * (components * start + j * count + block - start)
+                    entry = width * (components * a + j) + components * b
                     for k in range(components):
-                        values[at + k] += matrix[components * a + j, components * b + k]
+                        values[at + k] += matrix[entry + k]
 
 
 @njit(cache=True)

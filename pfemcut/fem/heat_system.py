@@ -66,7 +66,7 @@ class HeatKernels:
         domain = runtime.coordinate_domain()
         symbols = HeatSymbols.on(domain)
         form = runtime.CompiledForm(comm, heat_forms(domain, symbols))
-        self.matrix = Packing({symbols.conductivity: 1}).kernel(form)
+        self.matrix = Packing({symbols.conductivity: 1}).kernel([form])
 
 
 def solve_temperature_increment(
@@ -121,10 +121,10 @@ def solve_temperature_increment(
     pointers, columns = sparsity.scalar_rows(1)
     values = np.zeros(len(columns))
     add_matrix(
-        kernels.matrix.address,
+        kernels.matrix.addresses,
         kernels.matrix.columns,
         conductivity[partition.elements][:, None],
-        np.empty(0),
+        kernels.matrix.constants({}),
         corner_coordinates(points, partition.corners),
         partition.cells,
         1,

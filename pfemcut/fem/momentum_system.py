@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from pfemcut.fem import runtime
 from pfemcut.fem.direct_solver import DirectSolver
 from pfemcut.fem.element_kernels import (
-    ElementKernel,
     Packing,
     add_matrix,
     add_vector,
@@ -51,7 +50,7 @@ class MomentumKernels:
             }
         )
         self.residual, self.jacobian = (
-            tuple(self.packing.kernel(runtime.CompiledForm(comm, part)) for part in parts)
+            self.packing.kernel([runtime.CompiledForm(comm, part) for part in parts])
             for parts in (residual, jacobian)
         )
 
@@ -160,10 +159,8 @@ class MomentumSystem:
         with watch.phase("system"):
             symbols, packing = kernels.symbols, kernels.packing
             values = {symbols.stabilisation: stabilisation}
-            self._constants = {
-                kernel: np.array([values[symbol] for symbol in kernel.form.constants])
-                for kernel in (*kernels.residual, *kernels.jacobian)
-            }
+            self._residual_constants = kernels.residual.constants(values)
+            self._jacobian_constants = kernels.jacobian.constants(values)
             self._coordinates = corner_coordinates(points, partition.corners)
             self._data = np.empty((len(partition.elements), packing.width))
             for symbol, field in (
@@ -202,17 +199,17 @@ class MomentumSystem:
                 partition.elements
             ]
             total = np.zeros(COMPONENTS * partition.count)
-            for kernel in self._kernels.residual:
-                add_vector(
-                    kernel.address,
-                    kernel.columns,
-                    self._data,
-                    self._constants[kernel],
-                    self._coordinates,
-                    partition.cells,
-                    COMPONENTS,
-                    total,
-                )
+            kernel = self._kernels.residual
+            add_vector(
+                kernel.addresses,
+                kernel.columns,
+                self._data,
+                self._residual_constants,
+                self._coordinates,
+                partition.cells,
+                COMPONENTS,
+                total,
+            )
             own = total[COMPONENTS * partition.first : COMPONENTS * partition.last]
             return partition.gather(own, COMPONENTS)
 
@@ -240,8 +237,21 @@ class MomentumSystem:
         """Put the tangent at the point of the last residual, with the stiffness of ``nodal``, into the matrix."""
         partition, sparsity = self._partition, self._sparsity
         self._values[:] = 0.0
-        for kernel in self._kernels.jacobian:
-            self._add(kernel)
+        kernel = self._kernels.jacobian
+        add_matrix(
+            kernel.addresses,
+            kernel.columns,
+            self._data,
+            self._jacobian_constants,
+            self._coordinates,
+            partition.cells,
+            COMPONENTS,
+            self._symmetric,
+            sparsity.first,
+            sparsity.starts,
+            sparsity.places,
+            self._values,
+        )
         if self._symmetric:
             nodal = nodal.symmetric_part()
         rows, columns = partition.number[nodal.rows], partition.number[nodal.columns]
@@ -257,23 +267,6 @@ class MomentumSystem:
     def matrix(self) -> Any:
         """The PETSc matrix of the last :meth:`assemble`, which this object keeps."""
         return self._solver.update()
-
-    def _add(self, kernel: ElementKernel) -> None:
-        sparsity = self._sparsity
-        add_matrix(
-            kernel.address,
-            kernel.columns,
-            self._data,
-            self._constants[kernel],
-            self._coordinates,
-            self._partition.cells,
-            COMPONENTS,
-            self._symmetric,
-            sparsity.first,
-            sparsity.starts,
-            sparsity.places,
-            self._values,
-        )
 
     def _pack(self, symbol: object, values: Array) -> None:
         column = self._kernels.packing.columns(symbol).start

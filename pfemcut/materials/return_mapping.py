@@ -20,6 +20,7 @@ BoolArray = NDArray[np.bool_]
 
 _ROOT_2_3 = np.sqrt(2.0 / 3.0)
 _CLAMP = 0.9  # the extrapolated return takes at most this part of the trial stress
+_DECADES = 1e-2  # next try relative to the upper bound, while the lower one is zero
 _TINY = 1e-10  # MPa, as in the weak form
 
 
@@ -115,7 +116,7 @@ def tensor_norm(tensor: Array) -> Array:
 
 
 def implicit_multiplier(
-    trial: Trial, law: HardeningLaw, eqps: Array, temperature: Array, step: float
+    trial: Trial, law: HardeningLaw, eqps: Array, temperature: Array, step: float, rate_guess: Array
 ) -> Multiplier:
     """Backward-Euler plastic multiplier and its derivatives.
 
@@ -133,6 +134,8 @@ def implicit_multiplier(
         Equivalent plastic strain at the start of the step, and temperature (K); shape (m,).
     step
         Time step (s).
+    rate_guess
+        Multiplier rate to start from where it is positive (1/s), as that of the last step; shape (m,).
 
     Raises
     ------
@@ -147,7 +150,10 @@ def implicit_multiplier(
         norm, mu_bar = trial.norm[plastic], trial.mu_bar[plastic]
         e, theta = eqps[plastic], temperature[plastic]
         low, high = np.zeros_like(norm), norm / (2.0 * mu_bar)
-        multiplier = (norm - _ROOT_2_3 * yield_stress[plastic]) / (2.0 * mu_bar)
+        # The rate term is steep at its threshold and flat beyond: from there Newton's method would take many steps.
+        guess = rate_guess[plastic] * step
+        at_threshold = (norm - _ROOT_2_3 * yield_stress[plastic]) / (2.0 * mu_bar)
+        multiplier = np.where((guess > 0.0) & (guess < high), guess, at_threshold)
         slope = 2.0 * mu_bar
         left = np.arange(len(plastic))  # the points that have not converged
         for _ in range(60):
@@ -160,7 +166,9 @@ def implicit_multiplier(
             newton = dl + excess / slope[left]
             # Not strict: at a converged point the bracket has shrunk onto the iterate.
             inside = (newton >= low[left]) & (newton <= high[left])
-            multiplier[left] = np.where(inside, newton, 0.5 * (low[left] + high[left]))
+            # Roots lie decades apart, from barely flowing points to the shear zone.
+            between = np.where(low[left] > 0.0, np.sqrt(low[left] * high[left]), _DECADES * high[left])
+            multiplier[left] = np.where(inside, newton, between)
             error = np.abs(excess) / norm[left]
             left = left[~(error < 1e-12)]
             if not len(left):

@@ -216,7 +216,9 @@ def solve_motion(
             shear_modulus,
         )
         if problem.time.integrator is Integrator.IMPLICIT:
-            multiplier = implicit_multipliers(problem, mesh, trial, fields.eqps, temperature, step)
+            multiplier = implicit_multipliers(
+                problem, mesh, trial, fields.eqps, temperature, step, fields.multiplier_rate
+            )
         else:
             multiplier = extrapolated_multiplier(trial, fields.multiplier_rate, step)
         return trial, multiplier
@@ -334,11 +336,24 @@ def _stress_scale(body: Body) -> float:
 
 
 def implicit_multipliers(
-    problem: Problem, mesh: Mesh, trial: Trial, eqps: Array, temperature: Array, step: float
+    problem: Problem,
+    mesh: Mesh,
+    trial: Trial,
+    eqps: Array,
+    temperature: Array,
+    step: float,
+    rate_guess: Array,
 ) -> Multiplier:
     """Backward-Euler multipliers of all bodies, each with its hardening law; ``temperature`` of the elements (m,)."""
     parts = [
-        implicit_multiplier(trial.of(cells), body.material.hardening, eqps[cells], temperature[cells], step)
+        implicit_multiplier(
+            trial.of(cells),
+            body.material.hardening,
+            eqps[cells],
+            temperature[cells],
+            step,
+            rate_guess[cells],
+        )
         for body, cells in zip(problem.bodies, mesh.cell_ranges, strict=True)
     ]
     return parts[0] if len(parts) == 1 else Multiplier.joined(parts)
@@ -370,7 +385,9 @@ def update_plasticity(
 ) -> PlasticUpdate:
     """Backward-Euler return mapping at the solved displacement and the temperature of the start of the step."""
     temperature = element_mean(fields.temperature, mesh.cells)
-    multiplier = implicit_multipliers(problem, mesh, motion.trial, fields.eqps, temperature, step).value
+    multiplier = implicit_multipliers(
+        problem, mesh, motion.trial, fields.eqps, temperature, step, motion.multiplier / step
+    ).value
     increment = _ROOT_2_3 * multiplier
     eqps = fields.eqps + increment
     deviator = returned_deviator(motion.trial, multiplier)

@@ -1,0 +1,121 @@
+"""Wall seconds for one steady millimetre of cut, and what the longer steps cost in accuracy.
+
+    python benchmarks/seconds_per_mm.py [--only NAME ...] [--travel MM] [--output FILE]
+
+`pfemcut run` of demos/aisi4340_rake0 at 3330 mm/s with scaled mesh sizes, steps as long as the flow allows up to
+LONGEST, from 0.05 mm of travel on; set-up and compilation are not in it, fields, history and checkpoints are. `half`
+repeats `6k` with half its steps: the forces of both are compared. Runs that are finished are taken as they are
+(out/bench).
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+from measured_steps import CASE, scaled
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.table import Table
+
+from pfemcut.results.published import write_json
+from pfemcut.validation.provenance import ROOT, provenance
+
+LONGEST = 6.25e-7  # s, six of the paper's steps
+TOLERANCE = 0.15
+ENTRY = 0.05  # mm that do not count
+RUNS = {"1.5k": (1.35, 1.0), "6k": (0.64, 1.0), "half": (0.64, 0.5), "12k": (0.45, 1.0)}
+FIGURES = ("cutting_force", "thrust_force", "chip_thickness", "contact_length", "max_temperature")
+OUTPUT = ROOT / "benchmarks" / "results" / "seconds_per_mm.json"
+
+
+def run(name: str, travel: float) -> Path:
+    factor, part = RUNS[name]
+    directory = ROOT / "out" / "bench" / name
+    if (directory / "summary.json").is_file():
+        return directory
+    changes = [
+        *scaled(factor),
+        f"time.largest_step={part * LONGEST!r}",
+        # Half the steps have to be half as long where the tolerance rules, too.
+        f"time.step_tolerance={part * TOLERANCE!r}",
+        "solver.tolerance=1e-5",
+        "output.figures=false",
+    ]
+    arguments = [word for change in changes for word in ("--set", change)]
+    command = [sys.executable, "-m", "pfemcut", "run", str(CASE), "-o", str(directory)]
+    command += ["--travel", repr(travel), "--overwrite", *arguments]
+    subprocess.run(command, check=True, env={**os.environ, "OMP_NUM_THREADS": "1"})
+    return directory
+
+
+def rows(path: Path) -> list[dict[str, float]]:
+    with path.open() as file:
+        return [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
+
+
+def measured(directory: Path) -> dict[str, Any]:
+    history, timing = rows(directory / "history.csv"), rows(directory / "timing.csv")
+    steps = [(row, times) for row, times in zip(history, timing, strict=True) if row["travel"] > ENTRY]
+    travelled = steps[-1][0]["travel"] - steps[0][0]["travel"]
+    seconds = sum(times["total"] for _, times in steps[1:])
+    summary = json.loads((directory / "summary.json").read_text())
+    return {
+        "seconds_per_mm": seconds / travelled,
+        "travelled": travelled,
+        "least_particles": min(row["nodes"] for row in history),
+        "most_particles": max(row["nodes"] for row in history),
+        "steps": len(steps) - 1,
+        "mean_step": (steps[-1][0]["time"] - steps[0][0]["time"]) / (len(steps) - 1),
+        "newton_iterations": sum(row["newton_iterations"] for row, _ in steps) / len(steps),
+        "halved_steps": history[-1]["step_cuts"],
+        "phases": {
+            name: sum(times[name] for _, times in steps) / len(steps) for name in timing[0] if name != "step"
+        },
+        "steady": summary["steady"],
+        "figures": {name: summary[name]["mean"] for name in FIGURES if name in summary},
+    }
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--only", nargs="+", choices=list(RUNS), default=list(RUNS))
+    parser.add_argument("--travel", type=float, default=1.06, help="mm (default: %(default)s)")
+    parser.add_argument("--output", type=Path, default=OUTPUT)
+    options = parser.parse_args()
+    content: dict[str, Any] = {**provenance(), "load_average": round(os.getloadavg()[0], 2)}
+    content["runs"] = {name: measured(run(name, options.travel)) for name in options.only}
+    if {"6k", "half"} <= set(options.only):
+        whole, half = content["runs"]["6k"]["figures"], content["runs"]["half"]["figures"]
+        content["difference_to_half_the_step"] = {name: whole[name] / half[name] - 1.0 for name in whole}
+    write_json(options.output, content)
+    table = Table(title="One steady millimetre", title_justify="left", box=SIMPLE_HEAD)
+    for column in ("run", "particles", "s/mm", "steps", "iterations", "Fc (N/mm)", "Ft (N/mm)"):
+        table.add_column(column, justify="right")
+    for name, each in content["runs"].items():
+        table.add_row(
+            name,
+            f"{each['least_particles']:.0f}-{each['most_particles']:.0f}",
+            f"{each['seconds_per_mm']:.0f}",
+            str(each["steps"]),
+            f"{each['newton_iterations']:.1f}",
+            f"{each['figures']['cutting_force']:.2f}",
+            f"{each['figures']['thrust_force']:.2f}",
+        )
+    console = Console()
+    (console if console.is_terminal else Console(width=120)).print(table)
+    for name, value in content.get("difference_to_half_the_step", {}).items():
+        print(f"{name}: {value:+.2%} against half the step")
+    print(f"results  {options.output}")
+
+
+if __name__ == "__main__":
+    main()
