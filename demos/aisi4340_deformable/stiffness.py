@@ -62,11 +62,11 @@ def conclude(outcomes: Sequence[Outcome], results: Path) -> tuple[dict[str, Any]
     return content, shown and all(bool(outcome.summary["finished"]) for outcome in outcomes)
 
 
-def deformable(name: str, modulus: float, *changes: str) -> Variant:
+def deformable(name: str, modulus: float) -> Variant:
     material = f'{{ base = "aisi4340", young_modulus = {modulus}, hardening = {{ law = "elastic" }} }}'
     body = f"tool.body={{ material = {material}, tip_size = 0.004, face_size = 0.015 }}"
     title = f'title="AISI 4340, deformable tool ({name})"'
-    return Variant(name, (title, 'tool.model="deformable"', body, *changes))
+    return Variant(name, (title, 'tool.model="deformable"', body))
 
 
 STUDY = Study(
@@ -76,7 +76,6 @@ STUDY = Study(
         Variant("rigid"),
         deformable("stiff", 2.0e7),
         deformable("steel", 200.5e3),
-        deformable("steel_edges", 200.5e3, 'tool.body.contact_points="edges"'),
     ),
     conclude,
     travel=0.4,
