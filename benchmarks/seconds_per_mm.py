@@ -1,6 +1,6 @@
 """Wall seconds for one steady millimetre of cut, and what the longer steps cost in accuracy.
 
-    python benchmarks/seconds_per_mm.py [--only NAME ...] [--travel MM] [--output FILE]
+    python benchmarks/seconds_per_mm.py [--only NAME ...] [--ranks N] [--travel MM] [--output FILE]
 
 `pfemcut run` of demos/aisi4340_rake0 at 3330 mm/s with other mesh sizes, steps as long as the flow allows up to
 LONGEST, from 0.05 mm of travel on; set-up and compilation are not in it, fields, history and checkpoints are. `half`
@@ -46,9 +46,13 @@ FIGURES = ("cutting_force", "thrust_force", "chip_thickness", "contact_length", 
 OUTPUT = ROOT / "benchmarks" / "results" / "seconds_per_mm.json"
 
 
-def run(name: str, travel: float) -> Path:
+def folder(name: str, ranks: int) -> Path:
+    return ROOT / "out" / "bench" / f"{name}_{ranks}"
+
+
+def run(name: str, travel: float, ranks: int) -> Path:
     sizes, part = RUNS[name]
-    directory = ROOT / "out" / "bench" / name
+    directory = folder(name, ranks)
     if (directory / "summary.json").is_file():
         return directory
     changes = [
@@ -62,6 +66,8 @@ def run(name: str, travel: float) -> Path:
     travel = HALF_TRAVEL if name == "half" else travel
     arguments = [word for change in changes for word in ("--set", change)]
     command = [sys.executable, "-m", "pfemcut", "run", str(CASE), "-o", str(directory)]
+    if ranks > 1:
+        command = ["mpirun", "--allow-run-as-root", "-n", str(ranks), *command]
     command += ["--travel", repr(travel), "--overwrite", *arguments]
     subprocess.run(command, check=True, env={**os.environ, "OMP_NUM_THREADS": "1"})
     return directory
@@ -112,12 +118,14 @@ def main() -> None:
     )
     parser.add_argument("--only", nargs="+", choices=list(RUNS), default=list(RUNS))
     parser.add_argument("--travel", type=float, default=1.06, help="mm (default: %(default)s)")
+    parser.add_argument("--ranks", type=int, default=2, help="MPI ranks (default: %(default)s)")
     parser.add_argument("--output", type=Path, default=OUTPUT)
     options = parser.parse_args()
     content: dict[str, Any] = {**provenance(), "load_average": round(os.getloadavg()[0], 2)}
-    content["runs"] = {name: measured(run(name, options.travel)) for name in options.only}
+    content["ranks"] = options.ranks
+    content["runs"] = {name: measured(run(name, options.travel, options.ranks)) for name in options.only}
     if {"6k", "half"} <= set(options.only):
-        whole, half = (window_means(ROOT / "out" / "bench" / name) for name in ("6k", "half"))
+        whole, half = (window_means(folder(name, options.ranks)) for name in ("6k", "half"))
         content["window"] = list(WINDOW)
         content["difference_to_half_the_step"] = {name: whole[name] / half[name] - 1.0 for name in whole}
     write_json(options.output, content)
