@@ -32,7 +32,7 @@ LONGEST = 6.25e-7  # s, six of the paper's steps
 TOLERANCE = 0.15
 ENTRY = 0.05  # mm that do not count
 # Sizes (mm) at the tip, in the shear zone, in the chip and on the surface, and growth; part of the longest step.
-FINE = (0.004, 0.0044, 0.0068, 0.0072, 0.036)
+FINE = (0.004, 0.0044, 0.0095, 0.0095, 0.035)
 RUNS = {
     "1.5k": ((0.0054, 0.0095, 0.0149, 0.0162, 0.081), 1.0),
     "6k": (FINE, 1.0),

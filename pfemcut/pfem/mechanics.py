@@ -172,6 +172,7 @@ def solve_motion(
     fields: Fields,
     guess: Array,
     *,
+    integrator: Integrator,
     start_time: float,
     step: float,
     last_step: float,
@@ -215,7 +216,7 @@ def solve_motion(
             deformation_gradient(gradients, cells, unknown[:, :2]),
             shear_modulus,
         )
-        if problem.time.integrator is Integrator.IMPLICIT:
+        if integrator is Integrator.IMPLICIT:
             multiplier = implicit_multipliers(
                 problem, mesh, trial, fields.eqps, temperature, step, fields.multiplier_rate
             )

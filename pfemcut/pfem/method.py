@@ -155,6 +155,7 @@ class PfemMethod:
             "outside_gauss_points": record.outside,
             "newton_iterations": record.newton_iterations,
             "step_cuts": ledger.step_cuts,
+            "extrapolated_steps": ledger.extrapolated_steps,
             "plastic_power": record.plastic_power,
             "flow_change": record.flow_change,
             "thermoelastic_work": ledger.thermoelastic,

@@ -208,6 +208,7 @@ class Ledger:
     removed: int = 0
     outside: int = 0
     step_cuts: int = 0
+    extrapolated_steps: int = 0
 
     def plus(self, **amounts: float) -> Ledger:
         """The ledger with ``amounts`` added."""

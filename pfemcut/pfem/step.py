@@ -27,7 +27,7 @@ from pfemcut.pfem.particle_step import first_iterate, particle_step
 from pfemcut.pfem.state import Clock, Fields, Ledger, State
 from pfemcut.pfem.step_size import flow_change, next_step
 from pfemcut.pfem.thermal import Heating, solve_heat
-from pfemcut.problem import HeatSource, Problem
+from pfemcut.problem import HeatSource, Integrator, Problem
 from pfemcut.timing import Stopwatch
 from pfemcut.tools.heat_block import HeatBlock
 
@@ -45,6 +45,7 @@ PHASES = (
     "heat",
     "ledger",
 )
+_STEADFAST = 3  # times that a step is halved before its multiplier is extrapolated instead
 _ROOT_2_3 = np.sqrt(2.0 / 3.0)
 
 
@@ -118,6 +119,8 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
                     mesh,
                     fields,
                     first_iterate(problem, state, mesh, fields, step, steady=cuts == 0),
+                    # Some elements alternate between yielding and not whatever the step: one step without asking them.
+                    integrator=problem.time.integrator if cuts < _STEADFAST else Integrator.IMPL_EX,
                     start_time=state.clock.time,
                     step=step,
                     last_step=state.clock.last_dt,
@@ -169,7 +172,11 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
         record, ledger = _record(
             problem, state, mesh, fields, moved, motion, plastic, power, heating, remesh_map, step
         )
-        ledger = ledger.plus(step_cuts=cuts, **_remeshing_amounts(problem, state, mesh, fields, remesh_map))
+        ledger = ledger.plus(
+            step_cuts=cuts,
+            extrapolated_steps=int(cuts >= _STEADFAST),
+            **_remeshing_amounts(problem, state, mesh, fields, remesh_map),
+        )
     clock = Clock(
         step=state.clock.step + 1,
         time=state.clock.time + step,
