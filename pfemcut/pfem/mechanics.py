@@ -33,7 +33,7 @@ from pfemcut.pfem.kinematics import (
     shape_gradients,
 )
 from pfemcut.pfem.loads import load_forces, part_particles
-from pfemcut.pfem.newton import Linearisation, solve_momentum
+from pfemcut.pfem.newton import Linearisation, solve_momentum, solve_with_friction
 from pfemcut.pfem.stabilisation import modulus_ratio
 from pfemcut.pfem.state import Fields
 from pfemcut.problem import Body, Integrator, Problem, VolumetricHistory
@@ -223,14 +223,14 @@ def solve_motion(
             multiplier = extrapolated_multiplier(trial, fields.multiplier_rate, step)
         return trial, multiplier
 
-    def contacts(unknown: Array) -> tuple[ContactResult, ...]:
+    def contacts(unknown: Array, smoothing: float = 1.0) -> tuple[ContactResult, ...]:
         displacement = unknown[candidates, :2]
         return tuple(
             ContactResult(
                 candidates,
                 contact_forces(
                     shape,
-                    problem.contact,
+                    problem.contact.smoothed(smoothing),
                     mesh.points[candidates] + displacement,
                     displacement - step * np.asarray(tool.velocity),
                     lengths,
@@ -243,17 +243,24 @@ def solve_motion(
             for tool, shape, lengths in tools
         )
 
-    def body_contacts(unknown: Array) -> tuple[SurfaceContact, ...]:
+    def body_contacts(unknown: Array, smoothing: float = 1.0) -> tuple[SurfaceContact, ...]:
         displacement = unknown[:, :2]
         positions = mesh.points + displacement
         return tuple(
             interface_contact(
-                each, positions, displacement, step, velocity, fields.temperature, nodal_flow_stress
+                each,
+                each.pair.law.smoothed(smoothing),
+                positions,
+                displacement,
+                step,
+                velocity,
+                fields.temperature,
+                nodal_flow_stress,
             )
             for each in interfaces
         )
 
-    def linearise(unknown: Array) -> Linearisation:
+    def linearise(unknown: Array, smoothing: float = 1.0) -> Linearisation:
         trial, multiplier = kinematics(unknown)
         element = np.column_stack(
             [
@@ -269,8 +276,8 @@ def solve_motion(
         )
         nodal = NodalForces.sum(
             [
-                *_contact_forces(contacts(unknown)),
-                *map(nodal_forces, body_contacts(unknown)),
+                *_contact_forces(contacts(unknown, smoothing)),
+                *map(nodal_forces, body_contacts(unknown, smoothing)),
                 load_forces(problem, mesh, unknown[:, :2], start_time + step),
                 _inertia_forces(unknown, mass, velocity, step),
             ]
@@ -286,6 +293,8 @@ def solve_motion(
     size = np.sqrt(lumped(areas, cells, count))
     nodal_modulus = nodal_average(shear_modulus, areas, cells, count)
     laws = (problem.contact, *(pair.law for pair in problem.pairs))
+    frictionless = all(law.friction.frictionless for law in laws)
+    solve = solve_momentum if frictionless else solve_with_friction
     with MomentumSystem(
         kernels,
         partition,
@@ -296,11 +305,11 @@ def solve_motion(
         strain,
         settled,
         # Measured on cuts; a body that turns by degrees in a step needs the whole tangent.
-        symmetric=bool(problem.cut) and all(law.friction.frictionless for law in laws),
+        symmetric=bool(problem.cut) and frictionless,
         watch=watch,
         couplings=[group for each in interfaces for group in each.couplings],
     ) as system:
-        solution = solve_momentum(
+        solution = solve(
             system,
             linearise,
             start,
