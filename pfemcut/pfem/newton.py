@@ -21,6 +21,7 @@ _SMALLEST_JACOBIAN = (
 
 
 _SMOOTHINGS = (1024.0, 256.0, 64.0, 16.0, 4.0)  # of friction, where it does not converge as it is
+_UNAIDED = 10  # iterations with friction as it is; a solve that needs more seldom ends
 _STAGE_TOLERANCE = 1e-3  # relative, of the residual with smoother friction
 
 
@@ -193,7 +194,7 @@ def solve_with_friction(
         return solve_momentum(system, at, start, fixed, pressure_scale, smallest_force, controls)
 
     try:
-        return solve(1.0, start, controls)
+        return solve(1.0, start, replace(controls, max_iterations=min(controls.max_iterations, _UNAIDED)))
     except NotConverged as failure:
         iterations = failure.iterations
     rough = replace(controls, tolerance=max(controls.tolerance, _STAGE_TOLERANCE))
