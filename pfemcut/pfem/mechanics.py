@@ -32,7 +32,7 @@ from pfemcut.pfem.kinematics import (
     nodal_average,
     shape_gradients,
 )
-from pfemcut.pfem.loads import load_forces, part_particles
+from pfemcut.pfem.loads import inertia_forces, load_forces, part_particles
 from pfemcut.pfem.newton import Linearisation, solve_momentum, solve_with_friction
 from pfemcut.pfem.stabilisation import modulus_ratio
 from pfemcut.pfem.state import Fields
@@ -279,7 +279,7 @@ def solve_motion(
                 *_contact_forces(contacts(unknown, smoothing)),
                 *map(nodal_forces, body_contacts(unknown, smoothing)),
                 load_forces(problem, mesh, unknown[:, :2], start_time + step),
-                _inertia_forces(unknown, mass, velocity, step),
+                inertia_forces(unknown, mass, velocity, step),
             ]
         )
         return Linearisation(element, nodal, float(trial.jacobian.min()))
@@ -379,14 +379,6 @@ def _contact_forces(contact: tuple[ContactResult, ...]) -> list[NodalForces]:
             )
         )
     return parts
-
-
-def _inertia_forces(unknown: Array, mass: Array, velocity: Array, step: float) -> NodalForces:
-    """-m (u / dt - v) / dt on the particles with mass."""
-    heavy = np.flatnonzero(mass)
-    forces = -(mass / step)[:, None] * (unknown[:, :2] / step - velocity)
-    stiffness = (mass / step**2)[:, None, None] * np.eye(2)
-    return NodalForces.local(heavy, forces[heavy], stiffness[heavy])
 
 
 def update_plasticity(
