@@ -16,7 +16,7 @@ from pfemcut.contact.penalty import facing_lengths
 from pfemcut.contact.surface import Arcs, BodySurface, Surface, feet, surface_arcs
 from pfemcut.fem.momentum_system import NodalForces
 from pfemcut.pfem.newton import StepFailed
-from pfemcut.problem import ContactIntegration, ContactPair, MovingTool, Problem
+from pfemcut.problem import ContactIntegration, ContactLaw, ContactPair, MovingTool, Problem
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -142,6 +142,7 @@ def _edge_points(surface: BodySurface, points: Array, edges: IntArray) -> tuple[
 
 def interface_contact(
     interface: BodyInterface,
+    law: ContactLaw,
     positions: Array,
     displacement: Array,
     step: float,
@@ -151,10 +152,10 @@ def interface_contact(
 ) -> SurfaceContact:
     """Contact of a pair with the particles at ``positions`` (n, 2), reached by ``displacement`` in ``step`` (s).
 
-    ``velocity`` (n, 2), ``temperature`` and ``flow_stress`` (n,) are those of the start of the step, which friction may
-    depend on.
+    ``law`` is the pair's, or a smoother one. ``velocity`` (n, 2), ``temperature`` and ``flow_stress`` (n,) are those of
+    the start of the step, which friction may depend on.
     """
-    law, points = interface.pair.law, interface.points
+    points = interface.points
     # All candidates of a point move nearly alike.
     master = interface.arcs.nodes[points.candidates[:, points.candidates.shape[1] // 2], 1]
     apart = np.einsum("kb,kbi->ki", points.shares, velocity[points.particles]) - velocity[master]

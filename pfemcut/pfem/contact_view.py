@@ -30,6 +30,7 @@ def contact_view(problem: Problem, state: State) -> ContactView:
             interface,
             interface_contact(
                 interface,
+                interface.pair.law,
                 mesh.points,
                 fields.last_displacement,
                 step,

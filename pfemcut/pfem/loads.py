@@ -1,4 +1,4 @@
-"""Forces and pressures on named boundary parts, as nodal forces with their derivatives."""
+"""Loads on named boundary parts, and inertia, as nodal forces with their derivatives."""
 
 from __future__ import annotations
 
@@ -73,3 +73,11 @@ def _follower(points: Array, edges: IntArray, pressure: float) -> NodalForces:
         columns=np.concatenate([end, start, end, start]),
         stiffness=np.concatenate([-by_end, by_end, -by_end, by_end]),
     )
+
+
+def inertia_forces(unknown: Array, mass: Array, velocity: Array, step: float) -> NodalForces:
+    """-m (u / dt - v) / dt on the particles with mass."""
+    heavy = np.flatnonzero(mass)
+    forces = -(mass / step)[:, None] * (unknown[:, :2] / step - velocity)
+    stiffness = (mass / step**2)[:, None, None] * np.eye(2)
+    return NodalForces.local(heavy, forces[heavy], stiffness[heavy])

@@ -32,8 +32,8 @@ from pfemcut.pfem.kinematics import (
     nodal_average,
     shape_gradients,
 )
-from pfemcut.pfem.loads import load_forces, part_particles
-from pfemcut.pfem.newton import Linearisation, solve_momentum
+from pfemcut.pfem.loads import inertia_forces, load_forces, part_particles
+from pfemcut.pfem.newton import Linearisation, solve_momentum, solve_with_friction
 from pfemcut.pfem.stabilisation import modulus_ratio
 from pfemcut.pfem.state import Fields
 from pfemcut.problem import Body, Integrator, Problem, VolumetricHistory
@@ -224,14 +224,14 @@ def solve_motion(
             multiplier = extrapolated_multiplier(trial, fields.multiplier_rate, step)
         return trial, multiplier
 
-    def contacts(unknown: Array) -> tuple[ContactResult, ...]:
+    def contacts(unknown: Array, smoothing: float = 1.0) -> tuple[ContactResult, ...]:
         displacement = unknown[candidates, :2]
         return tuple(
             ContactResult(
                 candidates,
                 contact_forces(
                     shape,
-                    problem.contact,
+                    problem.contact.smoothed(smoothing),
                     mesh.points[candidates] + displacement,
                     displacement - step * np.asarray(tool.velocity),
                     lengths,
@@ -244,17 +244,24 @@ def solve_motion(
             for tool, shape, lengths in tools
         )
 
-    def body_contacts(unknown: Array) -> tuple[SurfaceContact, ...]:
+    def body_contacts(unknown: Array, smoothing: float = 1.0) -> tuple[SurfaceContact, ...]:
         displacement = unknown[:, :2]
         positions = mesh.points + displacement
         return tuple(
             interface_contact(
-                each, positions, displacement, step, velocity, fields.temperature, nodal_flow_stress
+                each,
+                each.pair.law.smoothed(smoothing),
+                positions,
+                displacement,
+                step,
+                velocity,
+                fields.temperature,
+                nodal_flow_stress,
             )
             for each in interfaces
         )
 
-    def linearise(unknown: Array) -> Linearisation:
+    def linearise(unknown: Array, smoothing: float = 1.0) -> Linearisation:
         trial, multiplier = kinematics(unknown)
         element = np.column_stack(
             [
@@ -270,10 +277,10 @@ def solve_motion(
         )
         nodal = NodalForces.sum(
             [
-                *_contact_forces(contacts(unknown)),
-                *map(nodal_forces, body_contacts(unknown)),
+                *_contact_forces(contacts(unknown, smoothing)),
+                *map(nodal_forces, body_contacts(unknown, smoothing)),
                 load_forces(problem, mesh, unknown[:, :2], start_time + step),
-                _inertia_forces(unknown, mass, velocity, step),
+                inertia_forces(unknown, mass, velocity, step),
             ]
         )
         return Linearisation(element, nodal, float(trial.jacobian.min()))
@@ -287,6 +294,8 @@ def solve_motion(
     size = np.sqrt(lumped(areas, cells, count))
     nodal_modulus = nodal_average(shear_modulus, areas, cells, count)
     laws = (problem.contact, *(pair.law for pair in problem.pairs))
+    frictionless = all(law.friction.frictionless for law in laws)
+    solve = solve_momentum if frictionless else solve_with_friction
     with MomentumSystem(
         kernels,
         partition,
@@ -297,11 +306,11 @@ def solve_motion(
         strain,
         settled,
         # Measured on cuts; a body that turns by degrees in a step needs the whole tangent.
-        symmetric=bool(problem.cut) and all(law.friction.frictionless for law in laws),
+        symmetric=bool(problem.cut) and frictionless,
         watch=watch,
         couplings=[group for each in interfaces for group in each.couplings],
     ) as system:
-        solution = solve_momentum(
+        solution = solve(
             system,
             linearise,
             start,
@@ -371,14 +380,6 @@ def _contact_forces(contact: tuple[ContactResult, ...]) -> list[NodalForces]:
             )
         )
     return parts
-
-
-def _inertia_forces(unknown: Array, mass: Array, velocity: Array, step: float) -> NodalForces:
-    """-m (u / dt - v) / dt on the particles with mass."""
-    heavy = np.flatnonzero(mass)
-    forces = -(mass / step)[:, None] * (unknown[:, :2] / step - velocity)
-    stiffness = (mass / step**2)[:, None, None] * np.eye(2)
-    return NodalForces.local(heavy, forces[heavy], stiffness[heavy])
 
 
 def update_plasticity(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +20,27 @@ _SMALLEST_JACOBIAN = (
 )
 
 
+_SMOOTHINGS = (1024.0, 256.0, 64.0, 16.0, 4.0)  # of friction, where it does not converge as it is
+_UNAIDED = 10  # iterations with friction as it is; a solve that needs more seldom ends
+_STAGE_TOLERANCE = 1e-3  # relative, of the residual with smoother friction
+
+
 class StepFailed(Exception):
     """The step did not converge or would invert an element; a shorter one may."""
+
+
+class NotConverged(StepFailed):
+    """The iteration did not converge.
+
+    Attributes
+    ----------
+    iterations
+        Number of linear solves.
+    """
+
+    def __init__(self, message: str, iterations: int):
+        super().__init__(message)
+        self.iterations = iterations
 
 
 @dataclass(frozen=True)
@@ -134,6 +153,53 @@ def solve_momentum(
             fraction *= 0.5
         unknown = candidate
         residual, norm, nodal, reference = found
-    raise StepFailed(
-        f"no convergence in {controls.max_iterations} iterations (residual {norm:.2g} of {reference:.2g} N/mm)"
+    raise NotConverged(
+        f"no convergence in {controls.max_iterations} iterations (residual {norm:.2g} of {reference:.2g} N/mm)",
+        controls.max_iterations,
     )
+
+
+def solve_with_friction(
+    system: MomentumSystem,
+    linearise: Callable[[Array, float], Linearisation],
+    start: Array,
+    fixed: BoolArray,
+    pressure_scale: Array,
+    smallest_force: float,
+    controls: NewtonControls,
+) -> Converged:
+    """Solve for displacement increment and pressure where there is friction.
+
+    Where a particle nearly sticks, the shear traction jumps from one sign to the other over V_ref, and Newton's method
+    may swing between the two for ever; a shorter step does not help. Then it is solved with V_ref first many times as
+    large and then less and less, each time from the last solution.
+
+    Parameters
+    ----------
+    linearise
+        Element data and nodal forces at an iterate (n, 3), with V_ref times a smoothing factor.
+    system, start, fixed, pressure_scale, smallest_force, controls
+        See :func:`solve_momentum`.
+
+    Raises
+    ------
+    StepFailed
+        If the iteration does not converge so either.
+    """
+
+    def solve(smoothing: float, start: Array, controls: NewtonControls) -> Converged:
+        def at(unknown: Array) -> Linearisation:
+            return linearise(unknown, smoothing)
+
+        return solve_momentum(system, at, start, fixed, pressure_scale, smallest_force, controls)
+
+    try:
+        return solve(1.0, start, replace(controls, max_iterations=min(controls.max_iterations, _UNAIDED)))
+    except NotConverged as failure:
+        iterations = failure.iterations
+    rough = replace(controls, tolerance=max(controls.tolerance, _STAGE_TOLERANCE))
+    for smoothing in _SMOOTHINGS:
+        found = solve(smoothing, start, rough)
+        start, iterations = found.unknown, iterations + found.iterations
+    found = solve(1.0, start, controls)
+    return replace(found, iterations=iterations + found.iterations)

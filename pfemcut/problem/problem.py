@@ -159,6 +159,10 @@ class ContactLaw:
     heat_partition: float
     conductance: Conductance = Conductance(0.0)
 
+    def smoothed(self, factor: float) -> ContactLaw:
+        """The law with ``factor`` times the regularisation speed."""
+        return replace(self, reference_speed=factor * self.reference_speed)
+
 
 class ContactIntegration(Enum):
     """Where contact between bodies acts: at the particles of the slave surface, or at Gauss points of its edges."""

@@ -44,18 +44,24 @@ def main(folder: Path) -> None:
 
 def run_demo(folder: Path, arguments: Sequence[str]) -> bool:
     """Run, compare and record; whether every target is met."""
-    options = parser(f"Runs {folder.name} and compares it with its paper.", folder / "out").parse_args(
-        arguments
+    options_parser = parser(f"Runs {folder.name} and compares it with its paper.", folder / "out")
+    options_parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="SECTION.KEY=VALUE",
+        help="change the case, for trying (repeat at will): results then go to DIR/results instead of the demo's",
     )
+    options = options_parser.parse_args(arguments)
     # Not after hours of computing: a mistake in the published figures stops here.
     published = load_published(folder / "published.toml")
     case_file, output = folder / "case.toml", options.output
-    overrides = [] if options.travel is None else [f"cutting.travel={options.travel}"]
+    overrides = [*([] if options.travel is None else [f"cutting.travel={options.travel}"]), *options.set]
     recorded_run(case_file, output, overrides, start_of(options))
 
     def conclude() -> bool:
         rows = compare(published, figures_of(output, case_file))
-        results = folder / "results" if options.travel is None else output / "results"
+        results = output / "results" if overrides else folder / "results"
         record(output, results, rows)
         print_comparison(folder.name, rows)
         print(f"results  {results}")

@@ -83,6 +83,8 @@ class Study:
         content of the study's JSON file and whether what the study must show is shown.
     travel
         mm.
+    case
+        Case file that the variants change; the reduced cut of AISI 4340 unless given.
     """
 
     name: str
@@ -90,6 +92,7 @@ class Study:
     variants: tuple[Variant, ...]
     conclude: Callable[[Sequence[Outcome], Path], tuple[dict[str, Any], bool]]
     travel: float
+    case: Path = REDUCED_CASE
 
 
 def main(study: Study) -> None:
@@ -117,7 +120,7 @@ def run_study(study: Study, arguments: Sequence[str]) -> bool:
     wanted = _wanted(study, options.only)
     travel = study.travel if options.travel is None else options.travel
     for variant in () if options.conclude else wanted:
-        _run(variant, output / variant.name, travel, start)
+        _run(study.case, variant, output / variant.name, travel, start)
     if options.only:
         return True
 
@@ -187,12 +190,12 @@ def _wanted(study: Study, names: Sequence[str] | None) -> Sequence[Variant]:
     return [known[name] for name in names] if names else study.variants
 
 
-def _run(variant: Variant, directory: Path, travel: float, start: Start) -> None:
+def _run(case: Path, variant: Variant, directory: Path, travel: float, start: Start) -> None:
     if Ranks().first:
         print(f"-- {variant.name}", flush=True)
     # The study concludes from all variants, so one that stops is reported there and does not end the others.
     try:
-        recorded_run(REDUCED_CASE, directory, [f"cutting.travel={travel}", *variant.changes], start)
+        recorded_run(case, directory, [f"cutting.travel={travel}", *variant.changes], start)
     except RunStopped as stopped:
         from pfemcut.driver import RunInterrupted
 

@@ -1,0 +1,14 @@
+"""Cuts the case of the paper's section 7.4 (AISI 4340, friction and interface heat) and compares it with the paper.
+
+    python demos/aisi4340_friction/run.py [-o DIR] [--resume | --overwrite] [--travel MM]
+    OMP_NUM_THREADS=1 mpirun -n N python demos/aisi4340_friction/run.py
+
+The run goes to ``out``, small copies of its results and the comparison to ``results`` beside this file.
+"""
+
+from pathlib import Path
+
+from pfemcut.validation.demo import main
+
+if __name__ == "__main__":
+    main(Path(__file__).resolve().parent)
