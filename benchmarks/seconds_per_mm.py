@@ -11,7 +11,6 @@ are taken as they are (out/bench).
 from __future__ import annotations
 
 import argparse
-import csv
 import json
 import os
 import subprocess
@@ -26,6 +25,7 @@ from rich.console import Console
 from rich.table import Table
 from scipy.integrate import trapezoid
 
+from pfemcut.results.history import read_table
 from pfemcut.results.published import write_json
 from pfemcut.validation.provenance import ROOT, provenance
 
@@ -76,42 +76,35 @@ def run(name: str, travel: float, ranks: int) -> Path:
     return directory
 
 
-def rows(path: Path) -> list[dict[str, float]]:
-    with path.open() as file:
-        return [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
-
-
 def window_means(directory: Path) -> dict[str, float]:
     """Means of the figures over the window, by travel and not by step, whatever the steps; defined ones only."""
-    low, high = WINDOW
-    history = [row for row in rows(directory / "history.csv") if low <= row["travel"] <= high]
-    travel = np.array([row["travel"] for row in history])
-    columns = {name: np.array([row[name] for row in history]) for name in FIGURES}
+    history = read_table(directory / "history.csv")
+    travel = history["travel"]
+    inside = (WINDOW[0] <= travel) & (travel <= WINDOW[1])
+    length = np.ptp(travel[inside])
     return {
-        name: float(trapezoid(values, travel)) / (travel[-1] - travel[0])
-        for name, values in columns.items()
-        if np.all(np.isfinite(values))
+        name: float(trapezoid(history[name][inside], travel[inside]) / length)
+        for name in FIGURES
+        if np.all(np.isfinite(history[name][inside]))
     }
 
 
 def measured(directory: Path) -> dict[str, Any]:
-    history, timing = rows(directory / "history.csv"), rows(directory / "timing.csv")
-    steps = [(row, times) for row, times in zip(history, timing, strict=True) if row["travel"] > ENTRY]
-    travelled = steps[-1][0]["travel"] - steps[0][0]["travel"]
-    seconds = sum(times["total"] for _, times in steps[1:])
+    history, timing = read_table(directory / "history.csv"), read_table(directory / "timing.csv")
+    counted = np.flatnonzero(history["travel"] > ENTRY)
+    first, steps = counted[0], counted[1:]  # the first one's work lies before
+    travelled = history["travel"][-1] - history["travel"][first]
     summary = json.loads((directory / "summary.json").read_text())
     return {
-        "seconds_per_mm": seconds / travelled,
-        "travelled": travelled,
-        "least_particles": min(row["nodes"] for row in history),
-        "most_particles": max(row["nodes"] for row in history),
-        "steps": len(steps) - 1,
-        "mean_step": (steps[-1][0]["time"] - steps[0][0]["time"]) / (len(steps) - 1),
-        "newton_iterations": sum(row["newton_iterations"] for row, _ in steps) / len(steps),
-        "halved_steps": history[-1]["step_cuts"],
-        "phases": {
-            name: sum(times[name] for _, times in steps) / len(steps) for name in timing[0] if name != "step"
-        },
+        "seconds_per_mm": float(timing["total"][steps].sum() / travelled),
+        "travelled": float(travelled),
+        "least_particles": float(history["nodes"].min()),
+        "most_particles": float(history["nodes"].max()),
+        "steps": len(steps),
+        "mean_step": float((history["time"][-1] - history["time"][first]) / len(steps)),
+        "newton_iterations": float(history["newton_iterations"][counted].mean()),
+        "halved_steps": float(history["step_cuts"][-1]),
+        "phases": {name: float(timing[name][counted].mean()) for name in timing if name != "step"},
         "steady": summary["steady"],
         "figures": {name: summary[name]["mean"] for name in FIGURES if name in summary},
     }

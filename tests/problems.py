@@ -27,6 +27,7 @@ from pfemcut.materials.hardening.voce import Voce
 from pfemcut.materials.material import HardeningLaw, Material, Property
 from pfemcut.pfem import mechanics
 from pfemcut.pfem.method import PfemMethod
+from pfemcut.pfem.state import mesh_arrays
 from pfemcut.pfem.step import Kernels
 from pfemcut.problem import (
     Axis,
@@ -247,17 +248,7 @@ def start_on(problem: Problem, mesh: Mesh) -> PfemMethod:
         if name.startswith("fields/"):
             count = {particles: len(mesh.points), elements: len(mesh.cells)}[len(values)]
             arrays[name] = np.repeat(values[:1], count, axis=0)
-    arrays |= {
-        "mesh/points": mesh.points,
-        "mesh/cells": mesh.cells,
-        "mesh/ids": mesh.ids,
-        "mesh/next_id": np.asarray(mesh.next_id),
-        "mesh/boundary/particles": mesh.boundary.particles,
-        "mesh/boundary/parts": mesh.boundary.parts,
-        "mesh/boundary/starts": mesh.boundary.starts,
-        "mesh/first_particles": mesh.first_particles,
-        "mesh/first_cells": mesh.first_cells,
-    }
+    arrays |= mesh_arrays(mesh)
     return PfemMethod.restore(problem, arrays)
 
 

@@ -13,12 +13,12 @@ from dolfinx.mesh import create_mesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpi4py import MPI
+from numpy.typing import NDArray
 from problems import Array, dense_tangent, kernels, rectangle_mesh
 
 from pfemcut.fem import runtime
 from pfemcut.fem.momentum_system import MomentumSystem, NodalForces
 from pfemcut.fem.partition import Partition, shares
-from pfemcut.fem.sparsity import Sparsity
 from pfemcut.pfem.momentum import ELEMENT_COMPONENTS, MomentumSymbols, momentum_forms
 from pfemcut.pfem.step import PHASES
 from pfemcut.timing import Stopwatch
@@ -86,24 +86,29 @@ def state() -> tuple[Array, Array, Array, Array]:
     return unknown, 0.01 * rng.uniform(size=COUNT), 200.0 * rng.normal(size=COUNT), element
 
 
-def test_residual_and_tangent_are_those_of_dolfinx() -> None:
-    """To 1e-12 of their largest entries, with both parts of the forms."""
-    unknown, strain, settled, element = values = state()
-    vector, matrix = dolfinx_assembly(values)
-    fixed = np.zeros((COUNT, 3), dtype=bool)
-    partition = Partition(MPI.COMM_SELF, MESH.points, MESH.cells)
-    with MomentumSystem(
+def momentum_system(
+    fixed: NDArray[np.bool_], strain: Array, settled: Array, *, symmetric: bool
+) -> MomentumSystem:
+    return MomentumSystem(
         kernels().momentum,
-        partition,
+        Partition(MPI.COMM_SELF, MESH.points, MESH.cells),
         MESH.points,
         fixed,
         MODULI,
         STABILISATION,
         strain,
         settled,
-        symmetric=False,
+        symmetric=symmetric,
         watch=Stopwatch(PHASES),
-    ) as system:
+    )
+
+
+def test_residual_and_tangent_are_those_of_dolfinx() -> None:
+    """To 1e-12 of their largest entries, with both parts of the forms."""
+    unknown, strain, settled, element = values = state()
+    vector, matrix = dolfinx_assembly(values)
+    fixed = np.zeros((COUNT, 3), dtype=bool)
+    with momentum_system(fixed, strain, settled, symmetric=False) as system:
         found = system.internal_residual(unknown, element)
         tangent = dense_tangent(system, COUNT, fixed)
     assert np.abs(found.ravel() - vector).max() < 1e-12 * np.abs(vector).max()
@@ -120,21 +125,9 @@ def test_symmetric_tangent_is_the_symmetric_part(coupled: bool) -> None:
     first, second = MESH.cells[3, 0], MESH.cells[3, 1]
     rows, columns = np.array([first, second]), np.array([second if coupled else first, second])
     nodal = NodalForces(rows, np.zeros((2, 2)), rows, columns, 1e5 * rng.normal(size=(2, 2, 2)))
-    partition = Partition(MPI.COMM_SELF, MESH.points, MESH.cells)
     matrices = []
     for symmetric in (False, True):
-        with MomentumSystem(
-            kernels().momentum,
-            partition,
-            MESH.points,
-            fixed,
-            MODULI,
-            STABILISATION,
-            strain,
-            settled,
-            symmetric=symmetric,
-            watch=Stopwatch(PHASES),
-        ) as system:
+        with momentum_system(fixed, strain, settled, symmetric=symmetric) as system:
             system.internal_residual(unknown, element)
             system.assemble(nodal)
             matrices.append(system.matrix()[:, :])
@@ -154,7 +147,7 @@ def test_shares_are_equal_and_disjoint(count: int, parts: int, seed: int) -> Non
 
 
 def test_sparsity_is_the_graph_of_the_mesh() -> None:
-    sparsity = Sparsity.of(Partition(MPI.COMM_SELF, MESH.points, MESH.cells))
+    sparsity = Partition(MPI.COMM_SELF, MESH.points, MESH.cells).sparsity
     coupled = np.zeros((COUNT, COUNT), dtype=bool)
     for cell in MESH.cells:
         coupled[np.ix_(cell, cell)] = True

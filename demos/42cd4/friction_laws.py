@@ -15,7 +15,7 @@ import matplotlib.pyplot as plt
 
 from pfemcut.results.published import load_published
 from pfemcut.results.summary import LARGEST_ENERGY_ERROR, LARGEST_HEAT_ERROR
-from pfemcut.validation.study import Outcome, Study, Variant, finite, main, write_table
+from pfemcut.validation.study import Outcome, Study, Variant, finite_figures, main, write_table
 
 FOLDER = Path(__file__).resolve().parent
 COMMON = (
@@ -73,14 +73,7 @@ def conclude(outcomes: Sequence[Outcome], results: Path) -> tuple[dict[str, Any]
     ]
     write_table(results / "friction_laws.csv", "Friction laws", header, rows)
     draw(outcomes, experiment, results / "friction_laws.png")
-    content = {
-        str(row[0]): {
-            name: finite(value)
-            for name, value in zip(header[1:], row[1:], strict=True)
-            if isinstance(value, float)
-        }
-        for row in rows
-    }
+    content = finite_figures(header, rows)
     closed = all(
         outcome.summary["finished"]
         and abs(outcome.mean("energy_error")) < LARGEST_ENERGY_ERROR

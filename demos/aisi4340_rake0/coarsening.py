@@ -13,7 +13,7 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 
-from pfemcut.validation.study import Outcome, Study, Variant, finite, main, write_table
+from pfemcut.validation.study import Outcome, Study, Variant, finite_figures, main, write_table
 
 LIMIT = 0.01
 GROWTH = 0.1
@@ -47,14 +47,7 @@ def conclude(outcomes: Sequence[Outcome], results: Path) -> tuple[dict[str, Any]
     ]
     write_table(results / "coarsening.csv", "Coarsening by error estimators", header, rows)
     draw(outcomes, results / "coarsening.png")
-    content = {
-        str(row[0]): {
-            name: finite(value)
-            for name, value in zip(header[1:], row[1:], strict=True)
-            if isinstance(value, float)
-        }
-        for row in rows
-    }
+    content = finite_figures(header, rows)
     checks = {
         **{name: abs(moved(coarsened, reference, name)) < LIMIT for name in HELD},
         "heat_error": abs(coarsened.mean("heat_error")) < LIMIT,

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from pfemcut.validation.study import Outcome, Study, Variant, finite, main, write_table
+from pfemcut.validation.study import Outcome, Study, Variant, finite_figures, main, write_table
 
 RULES = ("increment", "pressure", "element", "mixed")
 DEFAULT = "increment"
@@ -46,14 +46,7 @@ def conclude(outcomes: Sequence[Outcome], results: Path) -> tuple[dict[str, Any]
         for outcome in outcomes
     ]
     write_table(results / "volumetric_history.csv", "Volumetric history", header, rows)
-    content = {
-        str(row[0]): {
-            name: finite(value)
-            for name, value in zip(header[1:], row[1:], strict=True)
-            if isinstance(value, float)
-        }
-        for row in rows
-    }
+    content = finite_figures(header, rows)
     default = next(outcome for outcome in outcomes if outcome.variant.name == DEFAULT)
     scatter = default.std("cutting_force") / default.mean("cutting_force")
     return content, scatter < LIMIT

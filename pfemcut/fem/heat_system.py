@@ -11,7 +11,6 @@ from pfemcut.contact.heat import HeatExchange
 from pfemcut.fem import runtime
 from pfemcut.fem.element_kernels import Packing, add_matrix, corner_coordinates
 from pfemcut.fem.partition import Partition
-from pfemcut.fem.sparsity import Sparsity
 from pfemcut.pfem.heat import HeatSymbols, heat_forms
 
 Array = NDArray[np.float64]
@@ -117,7 +116,7 @@ def solve_temperature_increment(
     HeatSolveFailed
         If the solver does not converge.
     """
-    sparsity = Sparsity.of(partition)
+    sparsity = partition.sparsity
     pointers, columns = sparsity.scalar_rows(1)
     values = np.zeros(len(columns))
     add_matrix(

@@ -21,7 +21,7 @@ from pfemcut.fem.element_kernels import (
     pack_corners,
 )
 from pfemcut.fem.partition import Partition
-from pfemcut.fem.sparsity import Sparsity, add_blocks, fix_unknowns
+from pfemcut.fem.sparsity import add_blocks, fix_unknowns
 from pfemcut.pfem.momentum import ELEMENT_COMPONENTS, MomentumSymbols, momentum_forms
 from pfemcut.timing import Stopwatch
 
@@ -171,7 +171,7 @@ class MomentumSystem:
             self._data[:, packing.columns(symbols.moduli)] = moduli[partition.elements]
             self._fixed = np.empty(fixed.shape, dtype=bool)
             self._fixed[partition.number] = fixed
-            self._sparsity = Sparsity.of(partition, couplings)
+            self._sparsity = partition.sparsity.coupled([partition.number[each] for each in couplings])
             self._pointers, self._columns = self._sparsity.scalar_rows(COMPONENTS)
             self._values = np.zeros(len(self._columns))
             self._symmetric = symmetric

@@ -10,6 +10,8 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
+from pfemcut.fem.sparsity import Sparsity
+
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
@@ -42,6 +44,8 @@ class Partition:
         Their particles; shape (local, 3).
     cells
         Numbers of their particles; shape (local, 3).
+    sparsity
+        Which particles linear elements couple, in own rows.
     """
 
     def __init__(self, comm: MPI.Comm, points: Array, cells: IntArray):
@@ -52,6 +56,7 @@ class Partition:
             self.number = self.particles = np.arange(self.count)
             self.elements = np.arange(len(cells))
             self.corners = self.cells = np.ascontiguousarray(cells, dtype=np.int64)
+            self.sparsity = Sparsity.of(self.cells, self.first, self.last, self.count)
             return
         owner = shares(points, comm.size)
         self.particles = np.argsort(owner, kind="stable")
@@ -63,6 +68,7 @@ class Partition:
         self.elements = np.flatnonzero((owner[cells] == comm.rank).any(axis=1))
         self.corners = np.ascontiguousarray(cells[self.elements], dtype=np.int64)
         self.cells = self.number[self.corners]
+        self.sparsity = Sparsity.of(self.cells, self.first, self.last, self.count)
 
     def gather(self, own: Array, components: int) -> Array:
         """All particles' values from each rank's ``own`` ones, in the order of the particles; (n, components).

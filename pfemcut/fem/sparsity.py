@@ -13,8 +13,6 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from pfemcut.fem.partition import Partition
-
 IntArray = NDArray[np.int64]
 Int32Array = NDArray[np.int32]
 BoolArray = NDArray[np.bool_]
@@ -43,15 +41,14 @@ class Sparsity:
     places: IntArray
 
     @staticmethod
-    def of(partition: Partition, groups: Sequence[IntArray] = ()) -> Sparsity:
-        """That of linear elements on the partition's cells, with all particles of each of ``groups`` coupled, too."""
-        rows = partition.last - partition.first
-        starts, neighbours, places = _couplings(partition.cells, partition.first, rows, partition.count)
-        found = Sparsity(partition.first, starts, neighbours, places)
-        return found if not groups else found._coupled([partition.number[each] for each in groups])
+    def of(cells: IntArray, first: int, last: int, count: int) -> Sparsity:
+        """That of linear elements on ``cells`` (m, 3) of ``count`` particles; own: first <= number < last."""
+        return Sparsity(first, *_couplings(cells, first, last - first, count))
 
-    def _coupled(self, groups: Sequence[IntArray]) -> Sparsity:
-        """The same with the particle numbers of each of ``groups`` coupled."""
+    def coupled(self, groups: Sequence[IntArray]) -> Sparsity:
+        """The same with the particle numbers of each of ``groups`` coupled, too."""
+        if not groups:
+            return self
         rows = np.concatenate([np.repeat(each, len(each)) for each in groups]) - self.first
         columns = np.concatenate([np.tile(each, len(each)) for each in groups])
         own = (rows >= 0) & (rows < len(self.starts) - 1)

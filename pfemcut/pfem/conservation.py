@@ -19,7 +19,6 @@ from pfemcut.materials.enthalpy import specific_enthalpy, temperature_at
 from pfemcut.materials.volumetric import free_expansion
 from pfemcut.pfem.kinematics import lumped
 from pfemcut.pfem.loads import part_particles
-from pfemcut.pfem.mechanics import thermal_strain
 from pfemcut.pfem.state import Fields
 from pfemcut.pfem.transfer import carry_volume, follows_pressure, grouped
 from pfemcut.problem import Problem
@@ -234,11 +233,11 @@ def restore_heat(
     volume = signed_areas(new.points, cells[around]) / after.volume_ratio[around]
     corners = enthalpy(after.temperature[cells[around]])
     # A kelvin more expands elements whose J follows it, which takes mass and its heat away.
-    strain = thermal_strain(material, after.momentum_temperature[cells[around]]).mean(axis=1)
+    strain = material.thermal_strain(after.momentum_temperature[cells[around]]).mean(axis=1)
     expanding = free_expansion(after.volume_ratio[around], strain) * volume * corners.mean(axis=1)
     expanding *= follows_pressure(problem, remesh_map.unchanged)[around]
     momentum = after.momentum_temperature[particles]
-    strain_rate = thermal_strain(material, momentum + 1.0) - thermal_strain(material, momentum)
+    strain_rate = material.thermal_strain(momentum + 1.0) - material.thermal_strain(momentum)
     mass, expansion = (lumped(each, cells[around], len(inside))[particles] for each in (volume, expanding))
     weight = np.zeros(len(inside))
     weight[particles] = mass - expansion * strain_rate / material.capacity(after.temperature[particles])

@@ -114,15 +114,10 @@ class PlasticUpdate:
     flow_stress: Array
 
 
-def thermal_strain(material: Material, temperature: Array) -> Array:
-    """e = 3 alpha (theta - theta_0) of the temperature (K); same shape."""
-    return material.thermal_strain(temperature)
-
-
 def pressure_volume_ratios(material: Material, cells: IntArray, fields: Fields) -> Array:
     """J of ``cells`` (m, 3), recomputed from the particles' pressure and the temperature it belongs to; (m,)."""
     pressure = element_mean(fields.pressure, cells)
-    strain = element_mean(thermal_strain(material, fields.momentum_temperature), cells)
+    strain = element_mean(material.thermal_strain(fields.momentum_temperature), cells)
     return volume_ratio_from_pressure(pressure / material.bulk_modulus, strain)
 
 
@@ -201,7 +196,10 @@ def solve_motion(
         for tool, shape in zip(problem.rigid_tools, shapes, strict=True)
     )
     interfaces = contact_search(problem, mesh, guess[:, :2])
-    nodal_flow_stress = surface_flow_stress(problem, mesh, fields)
+    laws = (problem.contact, *(pair.law for pair in problem.pairs))
+    frictionless = all(law.friction.frictionless for law in laws)
+    # Only friction asks for it.
+    nodal_flow_stress = np.zeros(count) if frictionless else surface_flow_stress(problem, mesh, fields)
     flow_stress = nodal_flow_stress[candidates]
     # Lumped mass of the backward-Euler inertia term m (u / dt - v) / dt; zero in a quasi-static run.
     mass = lumped(areas * densities(problem, mesh) / ratio, cells, count) * float(problem.time.inertia)
@@ -293,8 +291,6 @@ def solve_motion(
     settled = fields.pressure if incremental else np.zeros(count)
     size = np.sqrt(lumped(areas, cells, count))
     nodal_modulus = nodal_average(shear_modulus, areas, cells, count)
-    laws = (problem.contact, *(pair.law for pair in problem.pairs))
-    frictionless = all(law.friction.frictionless for law in laws)
     solve = solve_momentum if frictionless else solve_with_friction
     with MomentumSystem(
         kernels,

@@ -15,11 +15,7 @@ Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 _SMALLEST_FRACTION = 1.0 / 64.0  # of the Newton correction, in the line search
-_SMALLEST_JACOBIAN = (
-    0.2  # an element that shrinks below this part of its area in one step has inverted, nearly
-)
-
-
+_SMALLEST_JACOBIAN = 0.2  # an element that keeps less of its area in one step has inverted, nearly
 _SMOOTHINGS = (1024.0, 256.0, 64.0, 16.0, 4.0)  # of friction, where it does not converge as it is
 _UNAIDED = 10  # iterations with friction as it is; a solve that needs more seldom ends
 _STAGE_TOLERANCE = 1e-3  # relative, of the residual with smoother friction

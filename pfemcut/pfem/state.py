@@ -245,10 +245,9 @@ def separated_states(state: State, first_parts: Sequence[int]) -> tuple[State, .
     return tuple(dataclasses.replace(state, mesh=mesh, fields=fields) for mesh, fields in pairs)
 
 
-def to_arrays(state: State) -> dict[str, NDArray[np.generic]]:
-    """Flat named arrays of the whole state, for a checkpoint."""
-    mesh = state.mesh
-    arrays: dict[str, NDArray[np.generic]] = {
+def mesh_arrays(mesh: Mesh) -> dict[str, NDArray[np.generic]]:
+    """Flat named arrays of the mesh, for a checkpoint."""
+    return {
         "mesh/points": mesh.points,
         "mesh/cells": mesh.cells,
         "mesh/ids": mesh.ids,
@@ -258,6 +257,13 @@ def to_arrays(state: State) -> dict[str, NDArray[np.generic]]:
         "mesh/boundary/starts": mesh.boundary.starts,
         "mesh/first_particles": mesh.first_particles,
         "mesh/first_cells": mesh.first_cells,
+    }
+
+
+def to_arrays(state: State) -> dict[str, NDArray[np.generic]]:
+    """Flat named arrays of the whole state, for a checkpoint."""
+    arrays: dict[str, NDArray[np.generic]] = {
+        **mesh_arrays(state.mesh),
         "initial_mass": np.asarray(state.initial_mass),
         "initial_kinetic_energy": np.asarray(state.initial_kinetic_energy),
         "probes": state.probes,

@@ -109,7 +109,7 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
     with watch.phase("mesh"):
         partition = Partition(kernels.comm, mesh.points, mesh.cells)
     while True:
-        # Box 4, steps 1 and 2: contact search and momentum, with the extrapolated multiplier.
+        # Box 4, steps 1 and 2: contact search and momentum.
         try:
             with watch.phase("momentum"):
                 motion = solve_motion(

@@ -176,6 +176,20 @@ def finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
+def finite_figures(
+    header: Sequence[str], rows: Sequence[Sequence[str | float]]
+) -> dict[str, dict[str, float | None]]:
+    """The figures of a table by run and name: its numbers that are floats, None for those that are not finite."""
+    return {
+        str(row[0]): {
+            name: finite(value)
+            for name, value in zip(header[1:], row[1:], strict=True)
+            if isinstance(value, float)
+        }
+        for row in rows
+    }
+
+
 def _text(value: str | float) -> str:
     if isinstance(value, str):
         return value

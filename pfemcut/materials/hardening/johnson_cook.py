@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Literal, Self
+from typing import Literal
 
 from pydantic import Field, model_validator
 
 from pfemcut.materials.hardening.base import LawModel, floored
-from pfemcut.materials.hardening.terms import rate_term, strain_power, thermal_term
+from pfemcut.materials.hardening.terms import melts_above_reference, rate_term, strain_power, thermal_term
 from pfemcut.materials.material import Array, FlowStress
 
 
@@ -35,14 +35,7 @@ class JohnsonCook(LawModel):
         gt=0, description="Temperature theta_0 below which nothing softens (K); the material's unless given"
     )
 
-    @model_validator(mode="after")
-    def _melts_above_reference(self) -> Self:
-        if self.melting_temperature <= self.reference_temperature:
-            raise ValueError(
-                f"melting_temperature: given {self.melting_temperature}, must be greater than "
-                f"reference_temperature = {self.reference_temperature} (K)"
-            )
-        return self
+    _melts = model_validator(mode="after")(melts_above_reference)
 
     def flow_stress(self, eqps: Array, rate: Array, temperature: Array) -> FlowStress:
         """Flow stress for equivalent plastic strain (-), its rate (1/s) and temperature (K); shape (n,)."""

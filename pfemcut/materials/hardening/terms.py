@@ -2,12 +2,38 @@
 
 from __future__ import annotations
 
+from typing import Protocol, TypeVar
+
 import numpy as np
 
 from pfemcut.materials.material import Array
 
 SMALLEST_STRAIN = 1e-8
 """Below it the power of the strain follows its chord from the origin."""
+
+
+class _Melting(Protocol):
+    melting_temperature: float
+    reference_temperature: float
+
+
+MeltingLaw = TypeVar("MeltingLaw", bound=_Melting)
+
+
+def melts_above_reference(law: MeltingLaw) -> MeltingLaw:
+    """``law``, whose melting temperature must lie above its reference temperature (K).
+
+    Raises
+    ------
+    ValueError
+        If it does not.
+    """
+    if law.melting_temperature <= law.reference_temperature:
+        raise ValueError(
+            f"melting_temperature: given {law.melting_temperature}, must be greater than "
+            f"reference_temperature = {law.reference_temperature} (K)"
+        )
+    return law
 
 
 def strain_power(eqps: Array, exponent: float) -> tuple[Array, Array]:

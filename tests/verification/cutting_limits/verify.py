@@ -27,7 +27,6 @@ from pfemcut.materials.volumetric import volume_ratio_from_pressure
 from pfemcut.method import Frame
 from pfemcut.output.directory import SUMMARY
 from pfemcut.output.vtu import read_last_frame
-from pfemcut.pfem.mechanics import thermal_strain
 from pfemcut.results.derived.chip_section import chip_section, to_rake_frame
 
 from ..common import save_picture, write_results, write_table
@@ -78,7 +77,7 @@ def chip_volume_ratio(frame: Frame, material: Material, depth: float) -> float:
         np.asarray(frame.point_fields[field], dtype=np.float64)[inside]
         for field in ("pressure", "temperature")
     )
-    strain = thermal_strain(material, temperature)
+    strain = material.thermal_strain(temperature)
     return float(volume_ratio_from_pressure(pressure / material.bulk_modulus, strain).mean())
 
 

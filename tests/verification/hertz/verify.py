@@ -11,7 +11,7 @@ import numpy as np
 from pfemcut.pfem.method import PfemMethod
 
 from ..common import Run, Table, run, save_picture, write_results
-from .reference import half_width, peak_pressure
+from .reference import beside_hertz, half_width, peak_pressure
 
 FOLDER = Path(__file__).parent
 YOUNG, POISSON, RADIUS = 200.5e3, 0.3, 10.0
@@ -70,14 +70,7 @@ def main() -> None:
                 "remesh": str(remesh),
                 "extent": extent,
                 "nodes": result.nodes,
-                "load": load,
-                "a": float(history["half_width"][-1]),
-                "a_hertz": a,
-                "a_difference": float(history["half_width"][-1]) / a - 1.0,
-                "last_loaded": float(history["last_loaded"][-1]),
-                "p0": float(history["peak"][-1]),
-                "p0_hertz": p0,
-                "p0_difference": float(history["peak"][-1]) / p0 - 1.0,
+                **beside_hertz(history, a, p0),
                 "highest": float(history["highest"][-1]),
                 "highest_difference": float(history["highest"][-1]) / p0 - 1.0,
                 "iterations": int(history["newton_iterations"].sum()),

@@ -11,6 +11,7 @@ import numpy as np
 from pfemcut.pfem.method import PfemMethod
 
 from ..common import Run, Table, run, save_picture, write_results
+from ..hertz.reference import beside_hertz
 from .reference import half_width, peak_pressure
 
 FOLDER = Path(__file__).parent
@@ -68,14 +69,7 @@ def row_of(result: Run) -> dict[str, Any]:
     a, p0 = half_width(load, RADIUS, PLANE, CYLINDER), peak_pressure(load, RADIUS, PLANE, CYLINDER)
     return {
         "nodes": result.nodes,
-        "load": load,
-        "a": float(history["half_width"][-1]),
-        "a_hertz": a,
-        "a_difference": float(history["half_width"][-1]) / a - 1.0,
-        "last_loaded": float(history["last_loaded"][-1]),
-        "p0": float(history["peak"][-1]),
-        "p0_hertz": p0,
-        "p0_difference": float(history["peak"][-1]) / p0 - 1.0,
+        **beside_hertz(history, a, p0),
         "scatter": float(history["scatter"][-1]),
         "iterations": int(history["newton_iterations"].sum()),
     }
