@@ -82,6 +82,9 @@ class MaterialTable(BaseModel):
 
     name: str = Field(default="", description="Name for reports")
     source: str = Field(default="", description="Where the values come from")
+    checked: str = Field(
+        default="", description="Against what the values were checked, and which of them were not"
+    )
     notes: Annotated[tuple[str, ...], Strict(False)] = Field(
         default=(), description="What a user must know: misprints, choices that are not in the sources"
     )
@@ -141,6 +144,7 @@ class MaterialTable(BaseModel):
             taylor_quinney=self.taylor_quinney,
             hardening=self.hardening,
             sources=tuple(self.sources.items()),
+            checked=self.checked,
             notes=self.notes,
         )
 
@@ -148,7 +152,7 @@ class MaterialTable(BaseModel):
 VALUES = tuple(
     key
     for key in MaterialTable.model_fields
-    if key not in ("name", "source", "notes", "hardening", "sources")
+    if key not in ("name", "source", "checked", "notes", "hardening", "sources")
 )
 """Keys of a material file that have a value with a source, apart from the hardening law's."""
 
@@ -258,6 +262,7 @@ def material_table(material: Material) -> dict[str, Any]:
     return {
         "name": material.name,
         "source": material.source,
+        "checked": material.checked,
         "notes": list(material.notes),
         "young_modulus": material.young_modulus,
         "poisson_ratio": material.poisson_ratio,
