@@ -212,13 +212,19 @@ def _merged(spec: Mapping[str, Any], base_directory: Path, section: str) -> dict
     base, _ = _named(spec["base"], base_directory, section)
     given, inherited = own.get("hardening"), base.get("hardening")
     sources = base.get("sources", {})
+    other_law: list[str] = []
     if isinstance(given, Mapping) and isinstance(inherited, Mapping):
         if given.get("law", inherited.get("law")) == inherited.get("law"):
             own["hardening"] = {**inherited, **given}
         else:
             sources = {key: text for key, text in sources.items() if not key.startswith("hardening")}
+            other_law = ["hardening"]
+    changed = _changed(own, given)
     if isinstance(own.get("sources", {}), Mapping):
-        own["sources"] = {**sources, **_changed(own, given), **own.get("sources", {})}
+        own["sources"] = {**sources, **changed, **own.get("sources", {})}
+    differing = ", ".join([*other_law, *changed])
+    if differing and isinstance(base.get("checked"), str):
+        own.setdefault("checked", f"{base['checked']} Changed, and not checked: {differing}.".strip())
     return {**base, **own}
 
 
