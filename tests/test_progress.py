@@ -28,7 +28,7 @@ def test_plain_lines_come_every_few_seconds_and_at_the_end() -> None:
 
 
 def test_lines_become_rare_in_a_long_run() -> None:
-    """A day in steps of ten seconds: every minute after the first twenty, each gap a twentieth of the time before it."""
+    """A day in steps of ten seconds: every minute after twenty, before that a twentieth of the time so far."""
     now = [0.0]
     stream = io.StringIO()
     with PlainLines(end=1e6, stream=stream, interval=5.0, clock=lambda: now[0]) as lines:
