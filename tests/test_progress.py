@@ -42,6 +42,15 @@ def test_lines_become_rare_in_a_long_run() -> None:
     assert len(at) < 1600
 
 
+def test_a_log_that_can_not_be_written_does_not_end_the_run() -> None:
+    class Closed(io.StringIO):
+        def write(self, _: str) -> int:
+            raise BrokenPipeError
+
+    with PlainLines(end=1.0, stream=Closed()) as lines:
+        lines.show(MEASURES)
+
+
 def test_a_terminal_under_mpirun_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
     class Terminal(io.StringIO):
         def isatty(self) -> bool:

@@ -5,6 +5,7 @@ On a terminal a live line; elsewhere (a log file, a batch queue, under mpirun) a
 
 from __future__ import annotations
 
+import contextlib
 import sys
 import time
 from collections.abc import Callable
@@ -166,7 +167,9 @@ class PlainLines(Silent):
             self._write()
 
     def _write(self) -> None:
-        print(self._unshown, file=self._stream, flush=True)
+        # A reader that left, or a full disk under the log, is no reason to end the run.
+        with contextlib.suppress(OSError):
+            print(self._unshown, file=self._stream, flush=True)
         self._last_line, self._unshown = self._clock(), ""
 
 
