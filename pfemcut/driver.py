@@ -31,7 +31,7 @@ from pfemcut.output.directory import (
 from pfemcut.output.progress import progress_display
 from pfemcut.output.recorder import Recorder
 from pfemcut.problem import Cut, Problem
-from pfemcut.ranks import Ranks, SignalNotes
+from pfemcut.ranks import Ranks, RanksDiffer, SignalNotes
 from pfemcut.results.checkpoint import Checkpoint, State, read_checkpoint, require_same_case
 from pfemcut.results.derived.columns import derived_columns
 from pfemcut.results.derived.tool_heating import tool_warnings
@@ -89,7 +89,8 @@ def run_case(
     from pfemcut.case.translate import problem_of
     from pfemcut.pfem.method import PfemMethod
 
-    problem = problem_of(case, material, base_directory)
+    # Files that the case names need to be on the first rank's machine only.
+    problem = Ranks().on_first(lambda: problem_of(case, material, base_directory))
     factory = MethodFactory(
         start=lambda: PfemMethod.start(problem), restore=lambda state: PfemMethod.restore(problem, state)
     )
@@ -161,26 +162,28 @@ def run_problem(
     Raises
     ------
     RunStopped
-        If the method can't go on, or (:class:`RunInterrupted`) on SIGINT or SIGTERM. Outputs and a checkpoint of the
-        last finished step are written, and a summary that says ``finished: false``.
+        If the method can't go on, or (:class:`RunInterrupted`) on SIGINT, SIGTERM or SIGUSR1. Outputs and a checkpoint
+        of the last finished step are written, and a summary that says ``finished: false``. After
+        :class:`pfemcut.ranks.RanksDiffer` the last checkpoint is that of an earlier step.
     OutputError, CheckpointError
         If the directory can't be used, or there is nothing that could be resumed.
     """
     ranks = Ranks(communicator)
-    ranks.on_first(lambda: prepare_directory(directory, resume=resume, overwrite=overwrite))
-    last_step = -1
-    warnings: tuple[str, ...] = ()
-    if resume:
-        checkpoint = ranks.on_first(lambda: _resumable(directory, inputs))
-        # What an earlier end concluded no longer holds.
-        ranks.on_first(lambda: remove_conclusions(directory))
-        last_step, warnings = checkpoint.step, checkpoint.warnings
-        method = factory.restore(checkpoint.state)
-    else:
-        method = factory.start()
-    run = _Run(problem, method, directory, controls, ranks, warnings)
-    with run.recording(inputs, last_step):
-        return run.to_end(fresh=not resume)
+    with ranks.together():
+        ranks.on_first(lambda: prepare_directory(directory, resume=resume, overwrite=overwrite))
+        last_step = -1
+        warnings: tuple[str, ...] = ()
+        if resume:
+            checkpoint = ranks.on_first(lambda: _resumable(directory, inputs))
+            # What an earlier end concluded no longer holds.
+            ranks.on_first(lambda: remove_conclusions(directory))
+            last_step, warnings = checkpoint.step, checkpoint.warnings
+            method = factory.restore(checkpoint.state)
+        else:
+            method = factory.start()
+        run = _Run(problem, method, directory, controls, ranks, warnings)
+        with run.recording(inputs, last_step):
+            return run.to_end(fresh=not resume)
 
 
 def summary_of(
@@ -247,8 +250,7 @@ class _Run:
             with SignalNotes() as signals, progress_display(end, visible=self._ranks.first) as progress:
                 while not method.finished:
                     begun = time.perf_counter()
-                    method.advance()
-                    measures = method.measure()
+                    measures = self._advance()
                     self._record(measures, begun)
                     progress.show(measures)
                     number = self._ranks.largest(signals.noted)
@@ -259,15 +261,25 @@ class _Run:
                         )
         except CutEnded as ended:
             return self._finish(finished=True, ending=str(ended), warnings=(str(ended),))
+        except RanksDiffer:
+            raise  # no state that is worth keeping
         except RunStopped as stopped:
             self._finish(finished=False, ending=str(stopped), warnings=(str(stopped),))
             raise
-        except UserError:
-            raise  # the same on all ranks
-        except Exception:
-            self._ranks.abort_others()
-            raise
         return self._finish(finished=True, ending="reached its final time")
+
+    def _advance(self) -> Measures:
+        """Advance one step, to which all ranks must come to the same outcome; its measures, or its error."""
+        outcome: Measures | Exception
+        try:
+            self._method.advance()
+            outcome = self._method.measure()
+        except (RunStopped, CutEnded, UserError) as ended:
+            outcome = ended
+        self._ranks.require_same(outcome, "in a step")
+        if isinstance(outcome, Exception):
+            raise outcome
+        return outcome
 
     def _record(self, measures: Measures, begun: float) -> None:
         """Write what is due after a step; the time that this takes is the step's phase ``output``."""
@@ -303,10 +315,9 @@ class _Run:
             self._ranks.on_first(write_row)
         self._pending = []
 
-    def _record_frame(self) -> Frame:
+    def _record_frame(self) -> None:
         frame = self._method.frame()
         self._ranks.on_first(lambda: self._recorders[0].frame(frame))
-        return frame
 
     def _record_checkpoint(self, step: int) -> None:
         state = self._method.state()
@@ -315,8 +326,10 @@ class _Run:
     def _finish(self, *, finished: bool, ending: str, warnings: Sequence[str] = ()) -> Summary:
         """Write the last state, the summary, and the figures and the report if wished."""
         self._record_row()
-        frame = self._record_frame()
+        frame = self._method.frame()
+        # Before the fields: whoever asked for the end may kill soon.
         self._record_checkpoint(frame.step)
+        self._ranks.on_first(lambda: self._recorders[0].frame(frame))
 
         def conclude() -> Summary:
             directory, every = self._directory, (*self._warnings, *warnings)

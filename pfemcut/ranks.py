@@ -1,4 +1,4 @@
-"""What the driver needs of MPI: rank 0 writes, all ranks take the same decisions, errors included."""
+"""What a run needs of MPI: rank 0 reads and writes, all ranks take the same decisions and end together."""
 
 from __future__ import annotations
 
@@ -6,14 +6,28 @@ import pickle
 import signal
 import sys
 import threading
+import time
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from types import FrameType, TracebackType
 from typing import Any, TypeVar, cast
 
+from pfemcut import launcher
+from pfemcut.inputs import UserError
+from pfemcut.method import RunStopped
+
 Result = TypeVar("Result")
 
-SIGNALS = (signal.SIGINT, signal.SIGTERM)
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1)
+"""Ask a run to stop. mpirun kills its ranks a second after the first two, but hands the third on and waits."""
+
+_FIRST_SPEAKS = 2.0
+"""Seconds for which the other ranks leave it to rank 0 to report an error that all of them may have."""
+
+
+class RanksDiffer(RunStopped):
+    """The ranks, which compute the same from the same numbers, came to different results."""
 
 
 class Ranks:
@@ -23,6 +37,11 @@ class Ranks:
     ----------
     communicator
         An mpi4py communicator; the world if None.
+
+    Raises
+    ------
+    UserError
+        If several processes were started, but MPI sees only this one.
     """
 
     def __init__(self, communicator: Any = None) -> None:
@@ -30,6 +49,11 @@ class Ranks:
             from mpi4py import MPI
 
             communicator = MPI.COMM_WORLD
+            if communicator.size == 1 < launcher.processes():
+                raise UserError(
+                    f"started as one of {launcher.processes()} processes, but MPI sees only this one: "
+                    "mpirun and mpi4py belong to different MPI libraries"
+                )
         self._comm = communicator
         self.first = communicator.rank == 0
 
@@ -51,12 +75,33 @@ class Ranks:
             raise failure
         return cast(Result, result)
 
-    def abort_others(self) -> None:
-        """End all ranks, with the traceback of this one's error, if there are others: they may wait for this one."""
-        if self._comm.size > 1:
-            traceback.print_exc()
-            sys.stderr.flush()
-            self._comm.Abort(1)
+    @contextmanager
+    def together(self) -> Iterator[None]:
+        """End all ranks with the traceback of an error in the block: the others may wait for this one for ever.
+
+        Only what a user can mend and what stops a run go on as they are: all ranks have those, through
+        :meth:`on_first` or :meth:`require_same`.
+        """
+        try:
+            yield
+        except (UserError, RunStopped):
+            raise
+        except (Exception, KeyboardInterrupt):
+            if self._comm.size > 1:
+                if not self.first:
+                    time.sleep(_FIRST_SPEAKS)
+                print(
+                    f"error on rank {self._comm.rank}:\n{traceback.format_exc()}", file=sys.stderr, flush=True
+                )
+                self._comm.Abort(1)
+            raise
+
+    def require_same(self, value: object, when: str) -> None:
+        """Raise :class:`RanksDiffer`, naming ``when``, on all ranks if ``value`` prints differently on any two."""
+        if self._comm.size > 1 and len(set(self._comm.allgather(repr(value)))) > 1:
+            raise RanksDiffer(
+                f"the ranks came to different results {when}; they need equal processors and libraries"
+            )
 
     def largest(self, value: int) -> int:
         """Return the largest of the ranks' values."""
@@ -73,7 +118,7 @@ def _portable(failure: Exception | None) -> Exception | None:
 
 
 class SignalNotes:
-    """Notes SIGINT and SIGTERM instead of dying, so that the step can be finished; the second one kills.
+    """Notes the signals that ask to stop instead of dying, so that the step can be finished; the second one kills.
 
     A context manager; outside the main thread, where Python can't handle signals, it notes nothing.
     """

@@ -49,6 +49,23 @@ def test_verification_page_is_up_to_date() -> None:
     ).page(), "run python scripts/verification_page.py"
 
 
+def test_parallel_page_is_up_to_date() -> None:
+    text = (ROOT / "docs" / "parallel.md").read_text(encoding="utf-8")
+    assert text == script("parallel_page").page(text), "run python scripts/parallel_page.py"
+
+
+def test_bounds_of_parallel_steps() -> None:
+    """Amdahl's bounds of a step by hand: 60 of 100 ms distributed, of which two ranks take 40."""
+    module = script("parallel_page")
+    one, two = {"ledger": 0.04, "assembly": 0.06}, {"ledger": 0.03, "assembly": 0.04}
+    shares = module.measured_shares(one, two)
+    assert shares == {"ledger": 1.0, "assembly": pytest.approx(1.0 / 3.0)}
+    assert module.speed_up(one, shares, 2) == pytest.approx(100.0 / 80.0)
+    assert module.speed_up(one, module.ideal_shares(one), 6) == pytest.approx(2.0)
+    # A phase that takes longer with two ranks is serial, and no more.
+    assert module.serial_share(1.0, 1.2) == 1.0
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_links_inside_the_documentation_lead_somewhere(page: Path) -> None:
     links = re.findall(r"\]\(([^)#]+)", page.read_text(encoding="utf-8"))

@@ -177,7 +177,7 @@ def test_a_finished_run_can_be_taken_further(tmp_path: Path) -> None:
     assert longer == whole
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGUSR1])
 def test_a_signal_finishes_the_step_and_leaves_a_checkpoint(tmp_path: Path, number: signal.Signals) -> None:
     before = signal.getsignal(number)
     with pytest.raises(RunInterrupted, match=f"{number.name} after step 7.*resumed"):

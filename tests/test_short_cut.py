@@ -1,15 +1,11 @@
-"""A short coarse cut of AISI 4340: its invariants, restart, ranks, and how runs end."""
+"""A short coarse cut of AISI 4340: its invariants, restart, and how runs end."""
 
 from __future__ import annotations
 
-import os
 import re
-import subprocess
-import sys
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,7 +21,6 @@ from pfemcut.pfem.newton import StepFailed
 from pfemcut.problem import Axis, Cut, Problem
 
 STEPS = 70
-RANK_STEPS = 20
 RESTART = STEPS - 10
 
 
@@ -64,7 +59,7 @@ class Run:
         before = signed_areas(mesh.points - method.current.fields.last_displacement, mesh.cells)
         self.smallest_area = min(self.smallest_area, float(area.min()))
         self.smallest_jacobian = min(self.smallest_jacobian, float((area / before).min()))
-        if len(self.rows) in (RANK_STEPS, RESTART):
+        if len(self.rows) == RESTART:
             self.states[len(self.rows)] = method.state()
 
     def mean(self, name: str, last: int = 30) -> float:
@@ -148,53 +143,6 @@ def test_friction_raises_both_forces() -> None:
     for name, factor in (("cutting_force", 1.1), ("thrust_force", 1.5)):
         assert rubbed.column(name)[20:50].mean() > factor * without.column(name)[20:50].mean()
     assert rubbed.rows[-1]["friction_work"] > 0.01 * rubbed.rows[-1]["tool_work"]
-
-
-RANK_SCRIPT = """
-import sys
-import numpy as np
-from mpi4py import MPI
-sys.path.insert(0, sys.argv[1])
-from problems import advanced, cut_problem
-problem = cut_problem(time={"integrator": "impl-ex"}, contact={"friction": 0.0, "reference_speed": 10.0})
-method = advanced(problem, int(sys.argv[3]))
-state, measured = method.state(), method.measure()
-assert MPI.COMM_WORLD.size == 2
-if MPI.COMM_WORLD.rank == 0:
-    np.savez(sys.argv[2], cutting_force=measured.cutting_force, thrust_force=measured.thrust_force, **state)
-"""
-
-
-def test_two_ranks_agree_with_one(tmp_path: Path) -> None:
-    """After 20 steps: the same triangles, and forces and all fields to 1e-8 of their size."""
-    script, result = tmp_path / "cut.py", tmp_path / "cut.npz"
-    script.write_text(RANK_SCRIPT)
-    # This process has initialised MPI itself, which leaves traces in the environment.
-    environment = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_", "ORTE_"))}
-    root = Path(__file__).parent
-    environment |= {"OMP_NUM_THREADS": "1", "PYTHONPATH": str(root.parent)}
-    done = subprocess.run(
-        ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", "2", sys.executable, str(script)]
-        + [str(root), str(result), str(RANK_STEPS)],
-        env=environment,
-        capture_output=True,
-        text=True,
-        timeout=120,
-    )
-    assert done.returncode == 0, done.stderr
-    _, run = cut()
-    two, one = np.load(result), run.states[RANK_STEPS]
-    assert np.array_equal(two["mesh/cells"], one["mesh/cells"])
-    row = run.rows[RANK_STEPS - 1]
-    for name in ("cutting_force", "thrust_force"):
-        assert float(two[name]) == pytest.approx(row[name], rel=1e-8)
-    for name, values in one.items():
-        size = np.abs(values.astype(float)).max(initial=0.0)
-        if (
-            name == "ledger/area_drift"
-        ):  # round-off of differences of the body's area, by chance zero on one rank
-            size = float(np.prod(np.ptp(one["mesh/points"].astype(float), axis=0)))
-        assert np.abs(two[name] - values).max(initial=0.0) <= 1e-8 * size, name
 
 
 JAWS = (

@@ -6,7 +6,6 @@ Whatever is slow to import (dolfinx, matplotlib) is imported by the command that
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Sequence
 from importlib.metadata import version
@@ -19,6 +18,7 @@ from pfemcut.case.check import figures, warnings
 from pfemcut.case.load import AnyCase, load_case
 from pfemcut.cli.table import result_lines
 from pfemcut.inputs import InputError, UserError
+from pfemcut.launcher import speaks
 from pfemcut.materials.describe import described
 from pfemcut.materials.load import library_names, load_material
 from pfemcut.method import RunStopped
@@ -93,20 +93,24 @@ def run(
     """Run a case."""
     if resume and overwrite:
         raise InputError(["--resume and --overwrite exclude each other"])
-    case, material = load_case(
-        case_file, [*overrides, *([] if travel is None else [f"cutting.travel={travel}"])]
-    )
-    case = _directed(case, output)
-    from pfemcut.driver import run_case
+    # Not before they're needed: mpi4py and dolfinx take a second to load.
+    from pfemcut.ranks import Ranks
 
-    summary = run_case(
-        case,
-        material,
-        Path(case.output.directory),
-        base_directory=case_file.parent,
-        resume=resume,
-        overwrite=overwrite,
-    )
+    ranks = Ranks()
+    with ranks.together():
+        changes = [*overrides, *([] if travel is None else [f"cutting.travel={travel}"])]
+        case, material = ranks.on_first(lambda: load_case(case_file, changes))
+        case = _directed(case, output)
+        from pfemcut.driver import run_case
+
+        summary = run_case(
+            case,
+            material,
+            Path(case.output.directory),
+            base_directory=case_file.parent,
+            resume=resume,
+            overwrite=overwrite,
+        )
     for line in result_lines(summary):
         _say(line)
     if not summary.finished:
@@ -158,18 +162,12 @@ def _directed(case: AnyCase, output: Path | None) -> AnyCase:
     return case.model_copy(update={"output": case.output.model_copy(update={"directory": str(output)})})
 
 
-def _speaks() -> bool:
-    """Whether this process is rank 0, told from the launcher's environment (MPI itself is slow to import)."""
-    ranks = ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK", "SLURM_PROCID")
-    return all(os.environ.get(name, "0") == "0" for name in ranks)
-
-
 def _say(line: str) -> None:
-    if _speaks():
+    if speaks():
         print(line)
 
 
 def _complain(*lines: str) -> None:
-    if _speaks():
+    if speaks():
         for line in lines:
             print(f"pfemcut: {line}", file=sys.stderr)

@@ -1,10 +1,11 @@
 """What a waiting user sees: travel, time to go, forces and highest temperature.
 
-On a terminal a live line; elsewhere (a log file, a batch queue) a plain line every few seconds.
+On a terminal a live line; elsewhere (a log file, a batch queue, under mpirun) a plain line every few seconds.
 """
 
 from __future__ import annotations
 
+import contextlib
 import sys
 import time
 from collections.abc import Callable
@@ -14,9 +15,12 @@ from typing import Protocol, TextIO
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
 
+from pfemcut.launcher import launched
 from pfemcut.method import Measures
 
 PLAIN_INTERVAL = 5.0
+PLAIN_INTERVAL_LATER = 60.0
+_PART = 0.05  # of the time that a run has taken, between lines: a log of a long run stays short
 
 
 class ProgressDisplay(Protocol):
@@ -40,14 +44,15 @@ def progress_display(end: float, stream: TextIO | None = None, *, visible: bool 
     end
         Final time of the run (s).
     stream
-        Where to show it.
+        Where to show it. Under mpirun it is no terminal, even if it says so: Open MPI's mpirun gives its processes a
+        pseudo-terminal, whatever its own output is.
     visible
         False for the silent display of all ranks but the first.
     """
     if not visible:
         return Silent()
     stream = stream or sys.stdout
-    return Live(end, stream) if stream.isatty() else PlainLines(end, stream)
+    return Live(end, stream) if stream.isatty() and not launched() else PlainLines(end, stream)
 
 
 def state_text(measures: Measures) -> str:
@@ -118,7 +123,7 @@ class Silent:
 
 
 class PlainLines(Silent):
-    """One line every few seconds, and the last state at the end.
+    """One line every few seconds, later every minute, and the last state at the end.
 
     Parameters
     ----------
@@ -127,7 +132,7 @@ class PlainLines(Silent):
     stream
         Where to write.
     interval
-        Seconds between lines.
+        Seconds between lines at first.
     clock
         Wall clock; another one for tests.
     """
@@ -143,13 +148,16 @@ class PlainLines(Silent):
         self._interval = interval
         self._clock = clock
         self._pace = _Pace(end, clock)
+        self._begun = clock()
         self._last_line = float("-inf")
         self._unshown = ""
 
     def show(self, measures: Measures) -> None:
         """Write a line if the last one is old enough."""
         self._unshown = f"{state_line(measures)}  to go {self._pace.to_go(measures.time)}"
-        if self._clock() - self._last_line >= self._interval:
+        now = self._clock()
+        patience = max(self._interval, min(_PART * (now - self._begun), PLAIN_INTERVAL_LATER))
+        if now - self._last_line >= patience:
             self._write()
 
     def __exit__(
@@ -159,7 +167,9 @@ class PlainLines(Silent):
             self._write()
 
     def _write(self) -> None:
-        print(self._unshown, file=self._stream, flush=True)
+        # A reader that left, or a full disk under the log, is no reason to end the run.
+        with contextlib.suppress(OSError):
+            print(self._unshown, file=self._stream, flush=True)
         self._last_line, self._unshown = self._clock(), ""
 
 

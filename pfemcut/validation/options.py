@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from pfemcut.inputs import UserError
+from pfemcut.launcher import speaks
 from pfemcut.method import RunStopped
+from pfemcut.ranks import Ranks
 from pfemcut.validation.recorded_run import Start
 
 
@@ -49,7 +50,8 @@ def start_of(arguments: argparse.Namespace) -> Start:
 def exit_with(work: Callable[[Sequence[str]], bool], arguments: Sequence[str] | None = None) -> None:
     """Exit with 0 if ``work`` says that all is well, 1 if not or if a run stopped, 2 for bad input."""
     try:
-        status = 0 if work(sys.argv[1:] if arguments is None else arguments) else 1
+        with Ranks().together():
+            status = 0 if work(sys.argv[1:] if arguments is None else arguments) else 1
     except UserError as error:
         status = _complain(str(error), 2)
     except RunStopped as error:
@@ -60,6 +62,6 @@ def exit_with(work: Callable[[Sequence[str]], bool], arguments: Sequence[str] | 
 
 
 def _complain(text: str, status: int) -> int:
-    if os.environ.get("OMPI_COMM_WORLD_RANK", os.environ.get("PMI_RANK", "0")) == "0":
+    if speaks():
         print("\n".join(f"{Path(sys.argv[0]).name}: {line}" for line in text.splitlines()), file=sys.stderr)
     return status

@@ -45,7 +45,7 @@ def recorded_run(case_file: Path, directory: Path, overrides: Sequence[str], sta
     A finished run that is resumed costs seconds: it only summarises again, and isn't noted as a session.
     """
     ranks = Ranks()
-    case, material = load_case(case_file, overrides)
+    case, material = ranks.on_first(lambda: load_case(case_file, overrides))
     resume = ranks.on_first(
         lambda: start.resume and any((directory / name).exists() for name in (NAME, PREVIOUS))
     )
