@@ -1,4 +1,4 @@
-"""The command line: ``pfemcut run | check | report | materials``.
+"""The command line: ``pfemcut run | sweep | check | report | materials``.
 
 Exit status 0 for success (a finished, valid run), 1 for a run that stopped, 2 for bad input, 130 for Ctrl-C.
 Whatever is slow to import (dolfinx, matplotlib) is imported by the command that needs it.
@@ -6,7 +6,6 @@ Whatever is slow to import (dolfinx, matplotlib) is imported by the command that
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Sequence
 from importlib.metadata import version
@@ -17,6 +16,8 @@ import typer
 
 from pfemcut.case.check import figures, warnings
 from pfemcut.case.load import AnyCase, load_case
+from pfemcut.cli.speech import complain, say
+from pfemcut.cli.sweep import sweep
 from pfemcut.cli.table import result_lines
 from pfemcut.inputs import InputError, UserError
 from pfemcut.materials.describe import described
@@ -46,20 +47,20 @@ def status(arguments: Sequence[str]) -> int:
     try:
         return int(app(list(arguments), standalone_mode=False, prog_name="pfemcut") or 0)
     except UserError as error:
-        _complain(*str(error).splitlines())
+        complain(*str(error).splitlines())
         return 2
     except RunStopped as error:
-        _complain(f"run stopped: {error}")
+        complain(f"run stopped: {error}")
         return 1
     except KeyboardInterrupt:
-        _complain("interrupted")
+        complain("interrupted")
         return 130
     except Exception as error:
         # Mistakes on the command line: depending on its version, typer brings click or has its own copy of it,
         # so they are known by what they can do.
         if not hasattr(error, "format_message"):
             raise
-        _complain(" ".join(error.format_message().split()))
+        complain(" ".join(error.format_message().split()))
         return 2
 
 
@@ -69,7 +70,7 @@ def _options(
     show_version: Annotated[bool, typer.Option("--version", help="Print the version and exit.")] = False,
 ) -> None:
     if show_version:
-        _say(f"pfemcut {version('pfemcut')}")
+        say(f"pfemcut {version('pfemcut')}")
         raise typer.Exit
     if context.invoked_subcommand is None:
         raise InputError(["no command given; see pfemcut --help"])
@@ -108,9 +109,12 @@ def run(
         overwrite=overwrite,
     )
     for line in result_lines(summary):
-        _say(line)
+        say(line)
     if not summary.finished:
         raise typer.Exit(1)
+
+
+app.command()(sweep)
 
 
 @app.command()
@@ -118,9 +122,9 @@ def check(case_file: CaseFile, overrides: Overrides = []) -> None:  # noqa: B006
     """Validate a case and print its main figures."""
     case, material = load_case(case_file, overrides)
     for name, text in figures(case, material, case_file.parent):
-        _say(f"{name:<11} {text}")
+        say(f"{name:<11} {text}")
     for text in warnings(case):
-        _say(f"warning: {text}")
+        say(f"warning: {text}")
 
 
 @app.command()
@@ -143,12 +147,12 @@ def materials(
 ) -> None:
     """List the materials of the library, or print one as a material file."""
     if name is not None:
-        _say(described(load_material(name, Path(), section="")))
+        say(described(load_material(name, Path(), section="")))
         return
     width = max(map(len, library_names()))
     for known in library_names():
         material = load_material(known, Path())
-        _say(f"{known:<{width}} {material.name}: {material.source}")
+        say(f"{known:<{width}} {material.name}: {material.source}")
 
 
 def _directed(case: AnyCase, output: Path | None) -> AnyCase:
@@ -156,20 +160,3 @@ def _directed(case: AnyCase, output: Path | None) -> AnyCase:
     if output is None:
         return case
     return case.model_copy(update={"output": case.output.model_copy(update={"directory": str(output)})})
-
-
-def _speaks() -> bool:
-    """Whether this process is rank 0, told from the launcher's environment (MPI itself is slow to import)."""
-    ranks = ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK", "SLURM_PROCID")
-    return all(os.environ.get(name, "0") == "0" for name in ranks)
-
-
-def _say(line: str) -> None:
-    if _speaks():
-        print(line)
-
-
-def _complain(*lines: str) -> None:
-    if _speaks():
-        for line in lines:
-            print(f"pfemcut: {line}", file=sys.stderr)

@@ -12,6 +12,10 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
+LOG_WIDTH = 120
+"""Width of tables (characters) where there is no terminal."""
+
+
 def write_csv(path: Path, header: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
     """Write a table, at once."""
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -24,16 +28,16 @@ def write_csv(path: Path, header: Sequence[str], rows: Sequence[Sequence[object]
 
 
 def print_table(title: str, header: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-    """Print a table; one with more columns than rows stands on its side."""
-    # Many columns don't fit into a terminal: there the rows stand side by side.
-    lines = [list(header), *map(list, rows)]
-    shown = [list(line) for line in zip(*lines, strict=True)] if len(header) > len(rows) + 1 else lines
+    """Print a table."""
     table = Table(title=title, title_justify="left", box=SIMPLE_HEAD)
-    for name in shown[0]:
+    for name in header:
         table.add_column(name, justify="right")
-    for line in shown[1:]:
-        table.add_row(*line)
-    Console().print(table)
+    for row in rows:
+        table.add_row(*row)
+    console = Console()
+    if not console.is_terminal:
+        console = Console(width=LOG_WIDTH)
+    console.print(table)
 
 
 def number_text(value: str | float) -> str:

@@ -157,7 +157,10 @@ def write_table(path: Path, title: str, header: Sequence[str], rows: Sequence[Se
     """Write the rows as CSV (numbers to five digits, nothing for nan) and print them."""
     texts = [[number_text(value) for value in row] for row in rows]
     write_csv(path, header, texts)
-    print_table(title, header, texts)
+    # Many columns don't fit into a terminal: there the runs stand side by side.
+    lines = [list(header), *texts]
+    shown = [list(line) for line in zip(*lines, strict=True)] if len(header) > len(texts) + 1 else lines
+    print_table(title, shown[0], shown[1:])
 
 
 def finite(value: float) -> float | None:
