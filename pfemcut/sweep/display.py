@@ -61,6 +61,10 @@ class Lines(Watcher):
         text = ended_text(self._variants[name].directory, status)
         self._write(f"[{self._ended}/{len(self._variants)}] {name}: {text}, {took}")
 
+    def stopping(self) -> None:
+        """Say what is waited for."""
+        self._write("stopping: runs finish their step and write a checkpoint; a second signal kills them")
+
     def _write(self, line: str) -> None:
         print(line, file=self._stream, flush=True)
 
@@ -142,7 +146,8 @@ def ended_text(directory: Path, status: int) -> str:
         shown = [f"{label} {figure_mean(summary, name):.1f}" for label, name in forces if name in summary]
         return " ".join(["finished", *shown, *(["N/mm"] if shown else [])])
     if status == 1 and summary:
-        return f"stopped: {summary['ending']}"
+        ending = str(summary["ending"])
+        return ending if ending.startswith("stopped") else f"stopped: {ending}"
     last = _last_line(directory / LOG)
     return f"failed with status {status}, see {directory / LOG}{': ' + last if last else ''}"
 

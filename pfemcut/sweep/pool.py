@@ -16,9 +16,7 @@ from pfemcut.ranks import SignalNotes
 POLL = 0.1
 """Seconds between looks at the processes."""
 
-ONE_THREAD = {
-    name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
-}
+ONE_THREAD = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
 """Runs side by side share the cores best with one thread each, and are then the same bit for bit."""
 
 
@@ -52,6 +50,9 @@ class Watcher:
 
     def ended(self, name: str, status: int) -> None:
         """Note that a process ended, with its exit status (minus the signal's number if one killed it)."""
+
+    def stopping(self) -> None:
+        """Note that a signal came, which is now handed on."""
 
     def passing(self, running: Sequence[str]) -> None:
         """Note that time passes."""
@@ -92,6 +93,7 @@ def run_pool(commands: Sequence[Command], jobs: int, watcher: Watcher) -> Ended:
                     watcher.started(command.name)
                 if signals.noted and not told:
                     told = True
+                    watcher.stopping()
                     for process in running.values():
                         process.send_signal(signals.noted)
                 time.sleep(POLL)
