@@ -112,11 +112,11 @@ def variants_of(grid: Lists, zipped: Lists, listed: Sequence[tuple[str, Values]]
 
 
 def _require_different(variants: Sequence[Variant]) -> None:
-    """Raise if two variants have one folder, also where upper and lower case are the same."""
+    """Raise if two variants would have one folder."""
     seen: dict[str, Variant] = {}
     problems = []
     for variant in variants:
-        other = seen.setdefault(variant.name.lower(), variant)
+        other = seen.setdefault(variant.name, variant)
         if other is not variant:
             problems.append(f"two variants are called '{variant.name}': a value is listed twice")
     if problems:
@@ -151,7 +151,10 @@ def name_of(values: Values, short: Mapping[str, str]) -> str:
         Short forms of their keys.
     """
     texts = {key: value_text(value) for key, value in values.items()}
-    safe = {key: _UNSAFE.sub("-", text) for key, text in texts.items()}
+    safe = {
+        key: _UNSAFE.sub("-", text).strip("-") if _UNSAFE.search(text) else text
+        for key, text in texts.items()
+    }
     name = "_".join(f"{_UNSAFE.sub('-', short[key])}={text}" for key, text in safe.items())
     if safe == texts and len(name) <= LONGEST_NAME:
         return name

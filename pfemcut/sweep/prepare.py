@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from enum import Enum
@@ -88,9 +89,9 @@ def prepared(plan: Plan) -> tuple[Prepared, ...]:
             update={"output": case.output.model_copy(update={"directory": str(directory)})}
         )
         problem_of(case, material, folder)
-        defaults = case.model_dump()
+        resolved = tomllib.loads(resolved_toml(case, material))
         parameters = {
-            key: variant.values[key] if key in variant.values else _looked_up(key, table, defaults)
+            key: variant.values[key] if key in variant.values else _looked_up(key, table, resolved)
             for key in keys
         }
         return Prepared(variant, case, material, folder, directory, parameters)
@@ -171,7 +172,7 @@ def _travel(variant: Prepared) -> float:
 
 
 def _looked_up(key: str, *tables: Mapping[str, Any]) -> Any:
-    """The value at ``key`` in the first table that has it; a material given by name counts as its base."""
+    """The value at ``key`` in the first table that has it; None if none has."""
     for table in tables:
         value: Any = table
         for part in key.split("."):
