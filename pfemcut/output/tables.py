@@ -12,7 +12,7 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-LOG_WIDTH = 120
+LOG_WIDTH = 160
 """Width of tables (characters) where there is no terminal."""
 
 
