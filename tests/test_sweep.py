@@ -6,6 +6,7 @@ import csv
 import json
 import os
 import re
+import shutil
 import signal
 import string
 import subprocess
@@ -51,10 +52,10 @@ CASE: Mapping[str, Mapping[str, Any]] = {
         "far_size": 0.6,
         "growth": 0.3,
     },
-    "time": {"step": 4e-7},
+    "time": {"step": 6e-8},
     "output": {"figures": False},
 }
-"""A few steps of a very coarse cut."""
+"""Forty steps of a very coarse cut."""
 
 FRICTIONS = ("friction=0", "friction=0.2")
 STUDY = """\
@@ -532,8 +533,9 @@ def test_the_table_has_the_figures_of_the_summaries(finished: Path) -> None:
 
 
 def test_a_second_call_runs_nothing_and_a_changed_case_is_an_error(
-    finished: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    finished: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    shutil.copytree(finished / "two", tmp_path / "two")
     started: list[str] = []
 
     def pool(commands: Sequence[Command], jobs: int, watcher: Watcher) -> Ended:
@@ -541,7 +543,7 @@ def test_a_second_call_runs_nothing_and_a_changed_case_is_an_error(
         return Ended({}, 0)
 
     monkeypatch.setattr(run_module, "run_pool", pool)
-    same = ["sweep", str(finished / "case.toml"), "-o", str(finished / "two")]
+    same = ["sweep", str(finished / "case.toml"), "-o", str(tmp_path / "two")]
     assert status([*same, "--vary", "contact.friction=0.0,0.2"]) == 0
     assert started == []
     said = capsys.readouterr().out
@@ -560,7 +562,7 @@ def test_a_second_call_runs_nothing_and_a_changed_case_is_an_error(
     assert "cutting.travel: 0.008 -> 0.004" in capsys.readouterr().err
     assert started == []
     assert status([*changed, "--collect"]) == 1
-    assert {row["status"] for row in rows_in(finished / "two").values()} == {"of another case"}
+    assert {row["status"] for row in rows_in(tmp_path / "two").values()} == {"of another case"}
     assert status([*changed, "--overwrite"]) == 1
     longer = [*same, "--vary", "contact.friction=0.0,0.2,0.4", "--set", "cutting.travel=0.01"]
     assert status(longer) == 1
@@ -568,35 +570,13 @@ def test_a_second_call_runs_nothing_and_a_changed_case_is_an_error(
     assert ": 1 new, 2 goes on" in capsys.readouterr().out
 
 
-def test_runs_side_by_side_are_those_of_one_at_a_time_and_of_single_variants(finished: Path) -> None:
-    """Bit for bit: each has one thread."""
-    one = [
-        "sweep",
-        str(finished / "case.toml"),
-        "--vary",
-        "contact.friction=0.0,0.2",
-        "-o",
-        str(finished / "one"),
-    ]
-    assert status([*one, "--index", "1"]) == 0
-    assert not (finished / "one" / "results.csv").exists()
-    assert status([*one, "--collect"]) == 1
-    assert rows_in(finished / "one")["friction=0"]["status"] == "not finished"
-    assert status([*one, "-j", "1"]) == 0
-    for name in FRICTIONS:
-        histories = [(finished / folder / name / "history.csv").read_bytes() for folder in ("one", "two")]
-        assert histories[0] == histories[1]
-    assert status([*one, "--only", "friction=0.2"]) == 0
-    (session,) = json_in(finished / "one" / "friction=0.2" / "sessions.json")
-    assert not session["resumed"]
-
-
-def test_an_interrupted_sweep_leaves_checkpoints_and_goes_on(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+def test_an_interrupted_sweep_goes_on_and_gives_what_runs_side_by_side_give(
+    finished: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    case = written_case(tmp_path, time={"step": 5e-8})
-    command = ["sweep", str(case), "--vary", "tool.rake=0.0,6.0", "-o", str(tmp_path / "out"), "-j", "1"]
-    history = tmp_path / "out" / "rake=0" / "history.csv"
+    """One at a time, interrupted, gone on with by name and by number: bit for bit the same, as each has one thread."""
+    one = finished / "one"
+    command = ["sweep", str(finished / "case.toml"), "--vary", "contact.friction=0.0,0.2", "-o", str(one)]
+    history = one / "friction=0" / "history.csv"
 
     def interrupt() -> None:
         while not history.is_file() or history.read_bytes().count(b"\n") < 4:
@@ -604,15 +584,25 @@ def test_an_interrupted_sweep_leaves_checkpoints_and_goes_on(
         os.kill(os.getpid(), signal.SIGINT)
 
     threading.Thread(target=interrupt, daemon=True).start()
-    assert status(command) == 1
+    assert status([*command, "-j", "1"]) == 1
     assert "stopped by SIGINT, 0 of 2 variants finished" in capsys.readouterr().err
-    assert not (tmp_path / "out" / "rake=6").exists()
-    plan = read_plan(case, vary=["tool.rake=0.0,6.0"], output=tmp_path / "out")
+    assert not (one / "friction=0.2").exists()
+    plan = read_plan(finished / "case.toml", vary=["contact.friction=0.0,0.2"], output=one)
     assert states(prepared(plan)) == (State.INTERRUPTED, State.NEW)
-    rows = history.read_bytes()
 
-    assert status([*command, "--only", "rake=0"]) == 0
-    assert history.read_bytes().startswith(rows)
-    assert len(history.read_bytes()) > len(rows)
+    assert status([*command, "--only", "friction=0"]) == 0
     assert [session["resumed"] for session in json_in(history.parent / "sessions.json")] == [False, True]
-    assert states(prepared(plan))[0] is State.FINISHED
+    assert not (one / "results.csv").exists()
+    assert status([*command, "--collect"]) == 1
+    assert {name: row["status"] for name, row in rows_in(one).items()} == {
+        "friction=0": "finished",
+        "friction=0.2": "not finished",
+    }
+    assert status([*command, "--index", "1"]) == 0
+    assert status([*command, "--collect"]) == 0
+    for name in FRICTIONS:
+        assert (one / name / "history.csv").read_bytes() == (
+            finished / "two" / name / "history.csv"
+        ).read_bytes()
+    assert status([*command, "--index", "1"]) == 0
+    assert "friction=0.2: finished before" in capsys.readouterr().out
