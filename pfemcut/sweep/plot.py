@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -67,15 +68,20 @@ def draw(
         value = outcome.variant.parameters[first]
         return float(value) if numeric else float(ticks.index(value_text(value)))
 
+    # Lines through names would mean nothing: there the values of a name stand side by side.
+    shifts = np.zeros(len(lines)) if numeric else (np.arange(len(lines)) + 0.5) / len(lines) - 0.5
     for axes, name in zip(panels, names, strict=False):
-        for members, colour in zip(lines.values(), colours, strict=True):
-            _draw_line(axes, sorted(members, key=place), place, name, colour, joined=numeric)
+        for members, colour, shift in zip(lines.values(), colours, 0.6 * shifts, strict=True):
+            ordered = sorted(members, key=place)
+            at = [place(each) + float(shift) for each in ordered]
+            _draw_line(axes, ordered, at, name, colour, joined=numeric)
         unit = definitions[name].unit
         axes.set_title(definitions[name].label + ("" if unit == "-" else f" ({unit})"), fontsize="medium")
         axes.grid(alpha=0.3)
         _scale(axes, [place(each) for each in outcomes], numeric=numeric)
         if not numeric:
             axes.set_xticks(range(len(ticks)), ticks, rotation=20.0)
+            axes.set_xlim(-0.5, len(ticks) - 0.5)
     for index, axes in enumerate(panels):
         axes.set_visible(index < len(names))
         if index + columns >= len(names):
@@ -109,12 +115,15 @@ def grouped(outcomes: Sequence[Outcome], first: str, others: Sequence[str]) -> d
 
 
 def _draw_line(
-    axes: Axes, members: Sequence[Outcome], place: Any, name: str, colour: Any, *, joined: bool
+    axes: Axes, members: Sequence[Outcome], at: Sequence[float], name: str, colour: Any, *, joined: bool
 ) -> None:
-    shown = [each for each in members if math.isfinite(each.mean(name))]
-    if not shown:
+    known = [
+        (each, across) for each, across in zip(members, at, strict=True) if math.isfinite(each.mean(name))
+    ]
+    if not known:
         return
-    x, y = [place(each) for each in shown], [each.mean(name) for each in shown]
+    shown, x = zip(*known, strict=True)
+    y = [each.mean(name) for each in shown]
     spread = [each.std(name) if math.isfinite(each.std(name)) else 0.0 for each in shown]
     axes.errorbar(
         x, y, yerr=spread, color=colour, linewidth=1.2, capsize=2.5, linestyle="-" if joined else "none"
