@@ -63,7 +63,6 @@ def run(name: str, travel: float, ranks: int) -> Path:
         f"time.largest_step={part * LONGEST!r}",
         # Half the steps have to be half as long where the tolerance rules, too.
         f"time.step_tolerance={part * TOLERANCE!r}",
-        "solver.tolerance=1e-5",
         "output.figures=false",
     ]
     travel = HALF_TRAVEL if name == "half" else travel

@@ -75,7 +75,9 @@ def mumps_times(last: dict[str, Any]) -> dict[str, Any]:
     """Medians (s) of a new set-up, of a set-up with changed values, and of a solve; the ordering that was used."""
     times: dict[str, list[float]] = {"setup": [], "factorisation": [], "solve": []}
     for _ in range(REPEATS):
-        solver = DirectSolver(MPI.COMM_SELF, *last["rows"], symmetric=last["symmetric"])
+        solver = DirectSolver(
+            MPI.COMM_SELF, *last["rows"], block=momentum_system.COMPONENTS, symmetric=last["symmetric"]
+        )
         ksp = solver.solver
         preconditioner = ksp.getPC()
         times["setup"].append(seconds(preconditioner.setUp))

@@ -34,6 +34,7 @@ from pfemcut.problem import Cut, Problem
 from pfemcut.ranks import Ranks, SignalNotes
 from pfemcut.results.checkpoint import Checkpoint, State, read_checkpoint, require_same_case
 from pfemcut.results.derived.columns import derived_columns
+from pfemcut.results.derived.tool_heating import tool_warnings
 from pfemcut.results.history import CORE_COLUMNS, read_table
 from pfemcut.results.summary import Summary, summarise, write_summary
 
@@ -189,15 +190,16 @@ def summary_of(
     history, timing = directory / HISTORY, directory / TIMING
     none = {name: np.zeros(0) for name in CORE_COLUMNS}
     cut, tool = problem.cut, problem.tool
+    columns = (read_table(history) or none) if history.exists() else none
     return summarise(
-        (read_table(history) or none) if history.exists() else none,
+        columns,
         read_table(timing) if timing.exists() else {},
         title=problem.title,
         finished=finished,
         ending=ending,
         depth=cut[0].depth if cut else math.nan,
         rake=tool[0].shape.rake if tool else math.nan,
-        warnings=warnings,
+        warnings=(*warnings, *(tool_warnings(problem, columns["time"][-1]) if columns["time"].size else ())),
     )
 
 

@@ -29,9 +29,9 @@ is a name, a path to a material file, or a table that changes some constants of 
 W/(m K)), expansion in 1/K.
 
 Every value has a source in the file itself; "ours" means that no source gave one. Hardening constants of machining
-are often reprinted and seldom with their reference strain rate: the notes say what could not be checked against the
-original. None of the values was fitted to cutting forces by us. Constants were mostly found at strains below 0.5, rates
-below 1e4 /s and heating rates far below those of cutting, which extrapolates.
+are often reprinted and seldom with their reference strain rate: [how they were checked](#how-they-were-checked) says
+against what, and which could not be. None of the values was fitted to cutting forces by us. Constants were mostly found
+at strains below 0.5, rates below 1e4 /s and heating rates far below those of cutting, which extrapolates.
 
 A property given as `temperature: value` pairs is interpolated linearly and constant beyond its ends. The expansion is
 the *secant* value from the reference temperature: the thermal strain is α(θ) (θ − θ0). Specific heat enters the heat
@@ -39,6 +39,14 @@ equation so that the heat content is its integral over temperature in every step
 temperature. "The paper" is Rodríguez, Carbonell, Cante, Oliver 2017 (see the README).
 
 This page is written by `python scripts/materials_page.py` from `pfemcut/materials/library`.
+"""
+CHECKS = """
+## How they were checked
+
+*Unconfirmed* values are given as the cutting literature has them, but were found in no copy of their source and in no
+reprint that names it. *Agrees* means equal to the digits of the reprint. Most originals are behind paywalls: a reprint
+shows that others use a value, not that it was printed so. mfree_iwf is the published program of ETH Zurich's meshfree
+cutting (`iwf-inspire/mfree_iwf-ul-cut-refine`).
 """
 
 
@@ -52,7 +60,8 @@ def main(arguments: Sequence[str]) -> int:
 def page() -> str:
     """The whole page."""
     materials = {name: load_material(name, None) for name in library_names()}
-    parts = [INTRODUCTION, "## Overview\n", _overview(materials), "\n## Hardening laws\n"]
+    parts = [INTRODUCTION, "## Overview\n", _overview(materials), CHECKS, _checks(materials)]
+    parts.append("\n## Hardening laws\n")
     for name, law in LAWS.items():
         lines = (law.__doc__ or "").strip().splitlines()
         parts.append(f"### `{name}`\n\n{lines[0]} Its equations are in `{_module(law)}`.\n")
@@ -89,6 +98,14 @@ def _overview(materials: dict[str, Material]) -> str:
         ("Name", "Law", "E (GPa)", "ρ (kg/m³)", "c at 20 °C (J/(kg K))", "k at 20 °C (W/(m K))", "Melts (K)"),
         rows,
     )
+
+
+def _checks(materials: dict[str, Material]) -> str:
+    rows = [
+        (f"[`{name}`](#{name})", source_of(each, "hardening"), each.checked)
+        for name, each in materials.items()
+    ]
+    return _table(("Name", "Source of the hardening constants", "How checked"), rows)
 
 
 def _melting(hardening: dict[str, Any]) -> str:

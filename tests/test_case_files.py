@@ -219,8 +219,8 @@ def test_an_editor_s_byte_order_mark_does_no_harm(case_file: Path) -> None:
 
 def test_a_cut_too_short_to_heat_its_tool_is_warned_of(case_file: Path) -> None:
     body = 'tool.body={ material = "aisi4340", tip_size = 0.02 }'
-    case, _ = load_case(case_file, ["tool.model=deformable", body, "contact.conductance=1e5"])
-    found = "\n".join(warnings(case))
+    case, material = load_case(case_file, ["tool.model=deformable", body, "contact.conductance=1e5"])
+    found = "\n".join(warnings(case, material))
     assert "its temperatures are those of a beginning cut" in found
     assert "[tool.body] tip_size = 0.02 mm resolves the tip radius" in found
 

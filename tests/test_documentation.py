@@ -5,10 +5,14 @@ from __future__ import annotations
 import importlib.util
 import json
 import re
+import tomllib
 from pathlib import Path
 from types import ModuleType
 
 import pytest
+import tomli_w
+
+from pfemcut.case.load import load_case
 
 ROOT = Path(__file__).parent.parent
 PAGES = [
@@ -60,6 +64,32 @@ def test_code_named_in_the_documentation_exists(page: Path) -> None:
     )
     missing = [name for name in names if "results" not in name and not (ROOT / name).exists()]
     assert missing == []
+
+
+EXAMPLES = re.findall(
+    r"```toml\n(.*?)```", (ROOT / "docs" / "friction.md").read_text(encoding="utf-8"), re.DOTALL
+)
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=range(len(EXAMPLES)))
+def test_examples_of_friction_are_parts_of_a_valid_case(example: str, tmp_path: Path) -> None:
+    case = tomllib.loads((ROOT / "demos" / "aisi4340_rake0" / "case.toml").read_text(encoding="utf-8"))
+    for section, values in tomllib.loads(example).items():
+        case[section] = {**case.get(section, {}), **values}
+    path = tmp_path / "case.toml"
+    path.write_text(tomli_w.dumps(case), encoding="utf-8")
+    load_case(path)
+
+
+def test_published_friction_data_can_be_copied() -> None:
+    """The coefficients against a second entry in the published units (m/min, and 30 m/min of the first cut)."""
+    assert len(EXAMPLES) == 3
+    _, titanium, steel = (tomllib.loads(example)["contact"] for example in EXAMPLES)
+    assert titanium["friction"] == {"law": "sticking-sliding", "coefficient": 0.18, "shear_limit": 576.0}
+    assert titanium["heat_partition"] == pytest.approx(1.0 - 0.55)
+    table = steel["friction"]["coefficient"]
+    assert [60e-3 * each for each in table["at"]] == pytest.approx([20, 40, 60, 80, 100], rel=2e-4)
+    assert table["value"] == [0.421, 0.367, 0.316, 0.270, 0.244]
 
 
 def test_results_table_shows_recorded_runs_and_says_what_is_missing(tmp_path: Path) -> None:

@@ -45,6 +45,22 @@ JOHNSON_COOK = {
     "ti6al4v_meyer": (862.5, 331.2, 0.34, 0.012, 0.8, 1878.0, 1.0, 293.15),
 }
 
+# (A + B) (1 + C ln(1e5 / reference rate)) (1 - 0.5^m) in MPa, in decimal arithmetic from the constants as published.
+BY_HAND = {
+    "42cd4": 677.5442,
+    "aisi1045_jaspers": 665.9579,
+    "aisi1045_klocke": 479.7213,
+    "aisi316l_chandrasekaran": 492.3572,
+    "aisi316l_tounsi": 563.1977,
+    "aisi4340": 771.4856,
+    "al2024t351_johnson_cook": 405.1657,
+    "inconel718_sievert": 1277.073,
+    "ofhc_copper_johnson_cook": 260.8501,
+    "ti6al4v_ducobu": 779.3717,
+    "ti6al4v_lee_lin": 1053.528,
+    "ti6al4v_meyer": 578.2959,
+}
+
 
 def grid(*axes: Array) -> tuple[Array, ...]:
     """All combinations of the values of the axes, flat."""
@@ -85,10 +101,35 @@ def test_all_johnson_cook_materials_are_checked() -> None:
     assert johnson_cook == set(JOHNSON_COOK)
 
 
+@pytest.mark.parametrize("name", sorted(JOHNSON_COOK))
+def test_johnson_cook_flow_stress_is_that_worked_out_by_hand(name: str) -> None:
+    """At a strain of 1, 1e5 /s and half-way to melting, where only a logarithm and one power remain; 6 digits."""
+    _, _, _, _, _, melting, _, reference = JOHNSON_COOK[name]
+    at = (np.array([1.0]), np.array([1e5]), np.array([0.5 * (reference + melting)]))
+    assert MATERIALS[name].hardening.flow_stress(*at).value[0] == pytest.approx(BY_HAND[name], rel=2e-6)
+
+
+def test_carbides_of_the_published_cuts_are_tools_to_take() -> None:
+    """As given for the cut of Ti6Al4V, in SI units: GPa, -, kg/m3, 1e-6 /K, J/(kg K), W/(m K)."""
+    tool = MATERIALS["wc_co_ducobu"]
+    room = np.array([293.0])
+    given = (650.0, 0.2, 14850.0, 5.0, 202.0, 100.0)
+    assert (
+        tool.young_modulus / 1e3,
+        tool.poisson_ratio,
+        tool.density * 1e12,
+        tool.expansion(room)[0] * 1e6,
+        tool.capacity(room)[0] / 1e6,
+        tool.conductivity(room)[0],
+    ) == pytest.approx(given, rel=1e-12)
+    assert isinstance(tool.hardening, Elastic)
+
+
 @pytest.mark.parametrize("name", library_names())
 def test_every_value_has_a_source(name: str) -> None:
     material = MATERIALS[name]
     assert material.source
+    assert material.checked
     law = material.hardening
     assert isinstance(law, BaseModel)
     keys = [*VALUES, "hardening", *(f"hardening.{key}" for key in type(law).model_fields)]

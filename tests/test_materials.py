@@ -80,8 +80,18 @@ def test_a_changed_value_does_not_keep_the_base_s_source() -> None:
     assert source_of(changed, "hardening.A").startswith("the paper, Table 2")
 
 
+def test_changed_values_do_not_count_as_checked() -> None:
+    base = load_material("aisi4340", HERE).checked
+    assert load_material({"base": "aisi4340"}, HERE).checked == base
+    changed = load_material({"base": "aisi4340", "density": 7.9e-9, "hardening": {"C": 0.02}}, HERE)
+    assert changed.checked == f"{base} Changed, and not checked: density, hardening.C."
+    own = load_material({"base": "aisi4340", "density": 7.9e-9, "checked": "weighed"}, HERE)
+    assert own.checked == "weighed"
+
+
 def test_another_law_drops_the_base_s_sources_of_the_law() -> None:
     changed = load_material({"base": "aisi4340", "hardening": {"law": "elastic"}}, HERE)
+    assert changed.checked.endswith("Changed, and not checked: hardening.")
     assert source_of(changed, "hardening") == ""
     assert source_of(changed, "density") == "the paper, Table 2"
 

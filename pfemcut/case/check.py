@@ -12,10 +12,9 @@ from pfemcut.case.cutting import cutting_problem
 from pfemcut.case.general import general_problem
 from pfemcut.case.general_schema import GeneralCase
 from pfemcut.case.load import AnyCase, initial_temperature
-from pfemcut.case.schema import Case
 from pfemcut.case.sections import Contact
-from pfemcut.materials.load import load_material
 from pfemcut.materials.material import Material
+from pfemcut.results.derived.tool_heating import tool_warnings
 
 
 def figures(case: AnyCase, material: Material, base_directory: Path) -> list[tuple[str, str]]:
@@ -87,7 +86,7 @@ def _general_figures(case: GeneralCase, material: Material, base_directory: Path
     ]
 
 
-def warnings(case: AnyCase) -> list[str]:
+def warnings(case: AnyCase, material: Material) -> list[str]:
     """Choices that are allowed but make a cut inaccurate or meaningless; one line each."""
     if isinstance(case, GeneralCase):
         return []
@@ -133,32 +132,17 @@ def warnings(case: AnyCase) -> list[str]:
             f"[cutting] travel = {cutting.travel:g} mm is too short for steady means (0.1 mm behind the first 0.2)",
         ),
     ]
-    return [text for unwise, text in checks if unwise] + _tool_warnings(case)
-
-
-def _tool_warnings(case: Case) -> list[str]:
-    """What a short cut can't tell of a tool that takes heat, and a mesh of the tool that is coarse."""
-    given = case.tool.body
-    found: list[str] = []
-    if given is None:
-        return found
-    if given.tip_size > case.tool.tip_radius / 3.0:
-        found.append(
-            f"[tool.body] tip_size = {given.tip_size:g} mm resolves the tip radius of "
-            f"{case.tool.tip_radius:g} mm poorly; advised: at most a third, {case.tool.tip_radius / 3.0:.3g}"
+    body = [] if tool.body is None else [tool.body]
+    checks += [
+        (
+            each.tip_size > tool.tip_radius / 3.0,
+            f"[tool.body] tip_size = {each.tip_size:g} mm resolves the tip radius of {tool.tip_radius:g} mm poorly; "
+            f"advised: at most a third, {tool.tip_radius / 3.0:.3g}",
         )
-    if case.contact.conductance == 0.0:
-        return found
-    material, start = load_material(given.material, Path()), np.array([case.tool.temperature])
-    capacity = material.density * material.capacity(start)[0]
-    lasts = case.cutting.travel / case.cutting.speed
-    depth = 2.0 * math.sqrt(material.conductivity(start)[0] / capacity * lasts)
-    if depth < 0.5 * min(given.width, given.height):
-        found.append(
-            f"[cutting] travel lasts {lasts:.2g} s, in which heat comes about {depth:.2g} mm far into the tool: "
-            "its temperatures are those of a beginning cut"
-        )
-    return found
+        for each in body
+    ]
+    lasts = cutting.travel / cutting.speed
+    return [text for unwise, text in checks if unwise] + tool_warnings(cutting_problem(case, material), lasts)
 
 
 def particle_estimate(sizes: SizeField, length: float, height: float) -> float:

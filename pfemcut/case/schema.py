@@ -11,10 +11,10 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from pfemcut.case.sections import (
     Contact,
+    CuttingSolver,
     Method,
     Output,
     Section,
-    Solver,
     Spacing,
     Time,
     ToolHeat,
@@ -133,7 +133,7 @@ class Case(Section):
     contact: Contact = Field(default_factory=Contact, description="Table [contact]")
     mesh: Mesh = Field(default_factory=Mesh, description="Table [mesh]: particle spacing")
     time: Time = Field(description="Table [time]: time steps")
-    solver: Solver = Field(default_factory=Solver, description="Table [solver]")
+    solver: CuttingSolver = Field(default_factory=CuttingSolver, description="Table [solver]")
     output: Output = Field(default_factory=Output, description="Table [output]")
 
     @model_validator(mode="after")

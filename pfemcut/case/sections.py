@@ -260,6 +260,12 @@ class Solver(Section):
     )
 
 
+class CuttingSolver(Solver):
+    """The same for a cut, whose steps don't pass on what is left of the residual: one per mille moves no figure."""
+
+    tolerance: float = Field(default=1e-3, gt=0, lt=1, description="Relative tolerance of the residual")
+
+
 class Output(Section):
     """What is written, where and how often."""
 

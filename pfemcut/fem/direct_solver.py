@@ -23,6 +23,8 @@ class DirectSolver:
         Communicator.
     pointers, columns, values
         Compressed rows of this rank. The ``values`` are read anew in every solve.
+    block
+        Unknowns of a particle: rows come in blocks of so many with the same columns, which the analysis takes as one.
     symmetric
         Factorise as L D L^T, from the upper triangle; else as L U.
     """
@@ -32,7 +34,14 @@ class DirectSolver:
     _WORKSPACE_PERCENT = 60  # contact makes pivots move: spare room avoids a second factorisation
 
     def __init__(
-        self, comm: MPI.Comm, pointers: Int32Array, columns: Int32Array, values: Array, symmetric: bool
+        self,
+        comm: MPI.Comm,
+        pointers: Int32Array,
+        columns: Int32Array,
+        values: Array,
+        *,
+        block: int,
+        symmetric: bool,
     ):
         self.rows = (pointers, columns, values)
         self.symmetric = symmetric
@@ -56,6 +65,7 @@ class DirectSolver:
         options["mat_mumps_icntl_7"] = self._AMD
         options["mat_mumps_icntl_12"] = 1  # no matching before the ordering of a symmetric matrix
         options["mat_mumps_icntl_14"] = self._WORKSPACE_PERCENT
+        options["mat_mumps_icntl_15"] = -block
         self.solver.setFromOptions()
 
     def solve(self, right_hand_side: Array) -> tuple[Array, bool]:

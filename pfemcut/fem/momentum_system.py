@@ -176,7 +176,12 @@ class MomentumSystem:
             self._values = np.zeros(len(self._columns))
             self._symmetric = symmetric
             self._solver = DirectSolver(
-                partition.comm, self._pointers, self._columns, self._values, symmetric=symmetric
+                partition.comm,
+                self._pointers,
+                self._columns,
+                self._values,
+                block=COMPONENTS,
+                symmetric=symmetric,
             )
 
     def __enter__(self) -> MomentumSystem:

@@ -82,6 +82,9 @@ class MaterialTable(BaseModel):
 
     name: str = Field(default="", description="Name for reports")
     source: str = Field(default="", description="Where the values come from")
+    checked: str = Field(
+        default="", description="Against what the values were checked, and which of them were not"
+    )
     notes: Annotated[tuple[str, ...], Strict(False)] = Field(
         default=(), description="What a user must know: misprints, choices that are not in the sources"
     )
@@ -141,6 +144,7 @@ class MaterialTable(BaseModel):
             taylor_quinney=self.taylor_quinney,
             hardening=self.hardening,
             sources=tuple(self.sources.items()),
+            checked=self.checked,
             notes=self.notes,
         )
 
@@ -148,7 +152,7 @@ class MaterialTable(BaseModel):
 VALUES = tuple(
     key
     for key in MaterialTable.model_fields
-    if key not in ("name", "source", "notes", "hardening", "sources")
+    if key not in ("name", "source", "checked", "notes", "hardening", "sources")
 )
 """Keys of a material file that have a value with a source, apart from the hardening law's."""
 
@@ -208,13 +212,19 @@ def _merged(spec: Mapping[str, Any], base_directory: Path, section: str) -> dict
     base, _ = _named(spec["base"], base_directory, section)
     given, inherited = own.get("hardening"), base.get("hardening")
     sources = base.get("sources", {})
+    other_law: list[str] = []
     if isinstance(given, Mapping) and isinstance(inherited, Mapping):
         if given.get("law", inherited.get("law")) == inherited.get("law"):
             own["hardening"] = {**inherited, **given}
         else:
             sources = {key: text for key, text in sources.items() if not key.startswith("hardening")}
+            other_law = ["hardening"]
+    changed = _changed(own, given)
     if isinstance(own.get("sources", {}), Mapping):
-        own["sources"] = {**sources, **_changed(own, given), **own.get("sources", {})}
+        own["sources"] = {**sources, **changed, **own.get("sources", {})}
+    differing = ", ".join([*other_law, *changed])
+    if differing and isinstance(base.get("checked"), str):
+        own.setdefault("checked", f"{base['checked']} Changed, and not checked: {differing}.".strip())
     return {**base, **own}
 
 
@@ -258,6 +268,7 @@ def material_table(material: Material) -> dict[str, Any]:
     return {
         "name": material.name,
         "source": material.source,
+        "checked": material.checked,
         "notes": list(material.notes),
         "young_modulus": material.young_modulus,
         "poisson_ratio": material.poisson_ratio,

@@ -76,6 +76,8 @@ class Material:
         The hardening law.
     sources
         Where each value comes from: pairs of a key of the material file and words.
+    checked
+        Against what the values were checked, and which of them were not.
     notes
         What a user must know: misprints, choices that are not in the sources.
     """
@@ -92,6 +94,7 @@ class Material:
     taylor_quinney: float
     hardening: HardeningLaw
     sources: tuple[tuple[str, str], ...] = ()
+    checked: str = ""
     notes: tuple[str, ...] = ()
 
     @property

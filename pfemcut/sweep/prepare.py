@@ -112,7 +112,7 @@ def prepared(plan: Plan) -> tuple[Prepared, ...]:
 
 def advice(variants: Iterable[Prepared]) -> list[str]:
     """Warnings of the cases, each once with the first variant that has it."""
-    found = [(each.name, text) for each in variants for text in warnings(each.case)]
+    found = [(each.name, text) for each in variants for text in warnings(each.case, each.material)]
     return _grouped(found)
 
 
