@@ -77,6 +77,12 @@ def explained(error: ValidationError, model: type[BaseModel], section: str = "")
     return [line for item in error.errors() for line in _lines(dict(item), model, section)]
 
 
+def description_of(model: type[BaseModel], loc: Sequence[int | str]) -> str:
+    """What the schema says of the key at ``loc``; nothing if it knows no such key."""
+    path, _, _, description = _resolve(loc, model, False)
+    return description if len(path) == len(loc) else ""
+
+
 def _lines(item: dict[str, Any], model: type[BaseModel], section: str) -> list[str]:
     path, models, is_table, description = _resolve(item["loc"], model, item["type"] == "extra_forbidden")
     kind, context = item["type"], item.get("ctx", {})

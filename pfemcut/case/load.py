@@ -126,23 +126,45 @@ def overridden(table: Mapping[str, Any], override: str) -> dict[str, Any]:
     keys = [key.strip() for key in target.split(".")]
     if not equals or not all(keys):
         raise CaseError([f"--set: given '{override}', must be section.key=value"])
+    return replaced(table, keys, toml_value(text), f"--set: given '{override}'")
 
-    def replaced(inside: Any, depth: int) -> Any:
+
+def replaced(table: Mapping[str, Any], keys: Sequence[str], value: Any, origin: str) -> dict[str, Any]:
+    """A copy of ``table`` with the value at the path ``keys`` replaced; see :func:`overridden`.
+
+    Parameters
+    ----------
+    table
+        A parsed case file.
+    keys
+        Section, key and so on.
+    value
+        The new value, as parsed TOML.
+    origin
+        What an error message begins with.
+
+    Raises
+    ------
+    CaseError
+        If the path leads through something that is not a table.
+    """
+
+    def inner(inside: Any, depth: int) -> Any:
         if depth == len(keys):
-            return _value(text)
+            return value
         if isinstance(inside, str) and _is_material(keys[:depth]):
             inside = {"base": inside}
         if isinstance(inside, list):
             if keys[depth] not in map(str, range(len(inside))):
                 limit = f"must have a number below {len(inside)} after '{'.'.join(keys[:depth])}'"
-                raise CaseError([f"--set: given '{override}', {limit}"])
+                raise CaseError([f"{origin}, {limit}"])
             at = int(keys[depth])
-            return [*inside[:at], replaced(inside[at], depth + 1), *inside[at + 1 :]]
+            return [*inside[:at], inner(inside[at], depth + 1), *inside[at + 1 :]]
         if not isinstance(inside, Mapping):
-            raise CaseError([f"--set: given '{override}', but '{'.'.join(keys[:depth])}' is not a table"])
-        return {**inside, keys[depth]: replaced(inside.get(keys[depth], {}), depth + 1)}
+            raise CaseError([f"{origin}, but '{'.'.join(keys[:depth])}' is not a table"])
+        return {**inside, keys[depth]: inner(inside.get(keys[depth], {}), depth + 1)}
 
-    return replaced(table, 0)
+    return inner(table, 0)
 
 
 def _is_material(keys: Sequence[str]) -> bool:
@@ -152,7 +174,8 @@ def _is_material(keys: Sequence[str]) -> bool:
     return False
 
 
-def _value(text: str) -> Any:
+def toml_value(text: str) -> Any:
+    """``text`` read as a TOML value, or itself if it is none."""
     try:
         document = tomllib.loads(f"value = {text}")
     except tomllib.TOMLDecodeError:

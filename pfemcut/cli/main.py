@@ -1,4 +1,4 @@
-"""The command line: ``pfemcut run | check | report | materials``.
+"""The command line: ``pfemcut run | sweep | check | report | materials``.
 
 Exit status 0 for success (a finished, valid run), 1 for a run that stopped, 2 for bad input, 130 for Ctrl-C.
 Whatever is slow to import (dolfinx, matplotlib) is imported by the command that needs it.
@@ -16,9 +16,10 @@ import typer
 
 from pfemcut.case.check import figures, warnings
 from pfemcut.case.load import AnyCase, load_case
+from pfemcut.cli.speech import complain, say
+from pfemcut.cli.sweep import sweep
 from pfemcut.cli.table import result_lines
 from pfemcut.inputs import InputError, UserError
-from pfemcut.launcher import speaks
 from pfemcut.materials.describe import described
 from pfemcut.materials.load import library_names, load_material
 from pfemcut.method import RunStopped
@@ -46,20 +47,20 @@ def status(arguments: Sequence[str]) -> int:
     try:
         return int(app(list(arguments), standalone_mode=False, prog_name="pfemcut") or 0)
     except UserError as error:
-        _complain(*str(error).splitlines())
+        complain(*str(error).splitlines())
         return 2
     except RunStopped as error:
-        _complain(f"run stopped: {error}")
+        complain(f"run stopped: {error}")
         return 1
     except KeyboardInterrupt:
-        _complain("interrupted")
+        complain("interrupted")
         return 130
     except Exception as error:
         # Mistakes on the command line: depending on its version, typer brings click or has its own copy of it,
         # so they are known by what they can do.
         if not hasattr(error, "format_message"):
             raise
-        _complain(" ".join(error.format_message().split()))
+        complain(" ".join(error.format_message().split()))
         return 2
 
 
@@ -69,7 +70,7 @@ def _options(
     show_version: Annotated[bool, typer.Option("--version", help="Print the version and exit.")] = False,
 ) -> None:
     if show_version:
-        _say(f"pfemcut {version('pfemcut')}")
+        say(f"pfemcut {version('pfemcut')}")
         raise typer.Exit
     if context.invoked_subcommand is None:
         raise InputError(["no command given; see pfemcut --help"])
@@ -112,9 +113,12 @@ def run(
             overwrite=overwrite,
         )
     for line in result_lines(summary):
-        _say(line)
+        say(line)
     if not summary.finished:
         raise typer.Exit(1)
+
+
+app.command()(sweep)
 
 
 @app.command()
@@ -122,9 +126,9 @@ def check(case_file: CaseFile, overrides: Overrides = []) -> None:  # noqa: B006
     """Validate a case and print its main figures."""
     case, material = load_case(case_file, overrides)
     for name, text in figures(case, material, case_file.parent):
-        _say(f"{name:<11} {text}")
+        say(f"{name:<11} {text}")
     for text in warnings(case, material):
-        _say(f"warning: {text}")
+        say(f"warning: {text}")
 
 
 @app.command()
@@ -147,12 +151,12 @@ def materials(
 ) -> None:
     """List the materials of the library, or print one as a material file."""
     if name is not None:
-        _say(described(load_material(name, Path(), section="")))
+        say(described(load_material(name, Path(), section="")))
         return
     width = max(map(len, library_names()))
     for known in library_names():
         material = load_material(known, Path())
-        _say(f"{known:<{width}} {material.name}: {material.source}")
+        say(f"{known:<{width}} {material.name}: {material.source}")
 
 
 def _directed(case: AnyCase, output: Path | None) -> AnyCase:
@@ -160,14 +164,3 @@ def _directed(case: AnyCase, output: Path | None) -> AnyCase:
     if output is None:
         return case
     return case.model_copy(update={"output": case.output.model_copy(update={"directory": str(output)})})
-
-
-def _say(line: str) -> None:
-    if speaks():
-        print(line)
-
-
-def _complain(*lines: str) -> None:
-    if speaks():
-        for line in lines:
-            print(f"pfemcut: {line}", file=sys.stderr)

@@ -160,6 +160,17 @@ def write_summary(path: Path, summary: Summary) -> None:
     os.replace(temporary, path)
 
 
+def figure_mean(summary: Mapping[str, Any], name: str) -> float:
+    """Window mean, or last value, of a figure in the content of ``summary.json``; nan without one."""
+    figure = summary.get(name, {})
+    return float(figure.get("mean", figure.get("value", math.nan)))
+
+
+def figure_std(summary: Mapping[str, Any], name: str) -> float:
+    """Standard deviation of a figure over the window, in the content of ``summary.json``; nan without one."""
+    return float(summary.get(name, {}).get("std", math.nan))
+
+
 def versions() -> dict[str, str]:
     """Return the versions of Python and of the packages that a result may depend on."""
     found = {"python": platform.python_version()}

@@ -10,8 +10,9 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from pfemcut.case.load import load_case
+from pfemcut.case.load import AnyCase, load_case
 from pfemcut.driver import run_case
+from pfemcut.materials.material import Material
 from pfemcut.output.directory import HISTORY, SUMMARY
 from pfemcut.ranks import Ranks
 from pfemcut.results.checkpoint import NAME, PREVIOUS
@@ -40,12 +41,19 @@ class Start:
 
 
 def recorded_run(case_file: Path, directory: Path, overrides: Sequence[str], start: Start) -> Summary:
-    """Run a case into ``directory``; called by all ranks under MPI.
+    """Run a case file into ``directory``; see :func:`record_case`."""
+    case, material = Ranks().on_first(lambda: load_case(case_file, overrides))
+    return record_case(case, material, directory, start, case_file.parent)
+
+
+def record_case(
+    case: AnyCase, material: Material, directory: Path, start: Start, base_directory: Path
+) -> Summary:
+    """Run a case, whose files lie in ``base_directory``, into ``directory``; called by all ranks under MPI.
 
     A finished run that is resumed costs seconds: it only summarises again, and isn't noted as a session.
     """
     ranks = Ranks()
-    case, material = ranks.on_first(lambda: load_case(case_file, overrides))
     resume = ranks.on_first(
         lambda: start.resume and any((directory / name).exists() for name in (NAME, PREVIOUS))
     )
@@ -69,7 +77,14 @@ def recorded_run(case_file: Path, directory: Path, overrides: Sequence[str], sta
             print(f"{directory}: finished before, with commit {made} (--overwrite runs it again)", flush=True)
 
     ranks.on_first(begin)
-    summary = run_case(case, material, directory, resume=resume, overwrite=overwrite and not resume)
+    summary = run_case(
+        case,
+        material,
+        directory,
+        base_directory=base_directory,
+        resume=resume,
+        overwrite=overwrite and not resume,
+    )
     ranks.on_first(lambda: end(summary))
     return summary
 

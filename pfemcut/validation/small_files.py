@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import csv
-import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
+
+from pfemcut.output.tables import write_csv
 
 ROWS = 400
 PICTURE_BYTES = 150_000
@@ -22,17 +22,6 @@ def write_thinned(path: Path, history: Mapping[str, NDArray[np.float64]], rows: 
     count = len(next(iter(history.values()), np.zeros(0)))
     chosen = np.unique(np.linspace(0, max(count - 1, 0), min(count, rows)).round().astype(int))
     write_csv(path, list(history), [[f"{column[i]:.6g}" for column in history.values()] for i in chosen])
-
-
-def write_csv(path: Path, header: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
-    """Write a table, at once."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(path.name + ".tmp")
-    with temporary.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(header)
-        writer.writerows(rows)
-    os.replace(temporary, path)
 
 
 def copy_picture(source: Path, target: Path, limit: int = PICTURE_BYTES) -> None:

@@ -10,18 +10,16 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from rich.box import SIMPLE_HEAD
-from rich.console import Console
-from rich.table import Table
 
 from pfemcut.inputs import InputError, nearest
 from pfemcut.method import RunStopped
+from pfemcut.output.tables import number_text, print_table, write_csv
 from pfemcut.ranks import Ranks
 from pfemcut.results.published import write_json
+from pfemcut.results.summary import figure_mean, figure_std
 from pfemcut.validation.options import exit_with, parser, start_of
 from pfemcut.validation.provenance import ROOT, provenance
 from pfemcut.validation.recorded_run import Start, read_history, read_summary, recorded_run, sessions
-from pfemcut.validation.small_files import write_csv
 
 REDUCED_CASE = ROOT / "demos" / "aisi4340_demo" / "case.toml"
 """The reduced block and coarse sizes that studies run on."""
@@ -58,12 +56,11 @@ class Outcome:
 
     def mean(self, name: str) -> float:
         """Window mean, or last value, of a figure; nan without one."""
-        figure = self.summary.get(name, {})
-        return float(figure.get("mean", figure.get("value", math.nan)))
+        return figure_mean(self.summary, name)
 
     def std(self, name: str) -> float:
         """Standard deviation of a figure over the window; nan without one."""
-        return float(self.summary.get(name, {}).get("std", math.nan))
+        return figure_std(self.summary, name)
 
 
 @dataclass(frozen=True)
@@ -158,17 +155,12 @@ def run_study(study: Study, arguments: Sequence[str]) -> bool:
 
 def write_table(path: Path, title: str, header: Sequence[str], rows: Sequence[Sequence[str | float]]) -> None:
     """Write the rows as CSV (numbers to five digits, nothing for nan) and print them."""
-    texts = [[_text(value) for value in row] for row in rows]
+    texts = [[number_text(value) for value in row] for row in rows]
     write_csv(path, header, texts)
     # Many columns don't fit into a terminal: there the runs stand side by side.
     lines = [list(header), *texts]
     shown = [list(line) for line in zip(*lines, strict=True)] if len(header) > len(texts) + 1 else lines
-    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD)
-    for name in shown[0]:
-        table.add_column(name, justify="right")
-    for line in shown[1:]:
-        table.add_row(*line)
-    Console().print(table)
+    print_table(title, shown[0], shown[1:])
 
 
 def finite(value: float) -> float | None:
@@ -188,12 +180,6 @@ def finite_figures(
         }
         for row in rows
     }
-
-
-def _text(value: str | float) -> str:
-    if isinstance(value, str):
-        return value
-    return f"{value:.5g}" if math.isfinite(value) else ""
 
 
 def _wanted(study: Study, names: Sequence[str] | None) -> Sequence[Variant]:
