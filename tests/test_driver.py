@@ -20,6 +20,7 @@ from pfemcut.driver import MethodFactory, RunInterrupted, run_problem
 from pfemcut.method import CutEnded, Frame, Measures, RunStopped
 from pfemcut.output.directory import OutputError
 from pfemcut.output.vtu import read_collection
+from pfemcut.problem import MovingTool
 from pfemcut.results.checkpoint import CheckpointError, read_checkpoint
 from pfemcut.results.derived.columns import derived_columns
 from pfemcut.results.history import read_table
@@ -83,7 +84,9 @@ def run(
         title="a",
         time=SimpleNamespace(end=0.05 * last),
         cut=(CUT,),
-        tool=(SimpleNamespace(shape=tool_of(6.0)),),
+        tool=(MovingTool(tool_of(6.0), (-CUT.speed, 0.0)),),
+        pairs=(),
+        others=(),
     )
     factory = MethodFactory(
         start=lambda: ChaoticMethod(last, events=events),
