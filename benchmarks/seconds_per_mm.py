@@ -3,9 +3,9 @@
     python benchmarks/seconds_per_mm.py [--only NAME ...] [--ranks N] [--travel MM] [--output FILE]
 
 `pfemcut run` of demos/aisi4340_rake0 at 3330 mm/s with other mesh sizes, steps as long as the flow allows up to
-LONGEST, from 0.05 mm of travel on; set-up and compilation are not in it, fields, history and checkpoints are. `12k` cuts
-0.4 mm only. `half` repeats `6k` with half its steps for 0.6 mm: means over the last 0.25 mm of that are compared. Runs that
-are finished are taken as they are (out/bench).
+LONGEST, from 0.05 mm of travel on; set-up and compilation are not in it, fields, history and checkpoints are. `12k`
+cuts 0.4 mm only. `half` repeats `6k` with half its steps for 0.6 mm: means over the last 0.25 mm of that are compared.
+Runs that are finished are taken as they are (out/bench).
 """
 
 from __future__ import annotations
