@@ -102,7 +102,7 @@ def _search(problem: Problem, mesh: Mesh, motion: Array, pair: ContactPair) -> B
     at = np.einsum("kb,kbi->ki", shares, after.points[ends])
     # An edge is the point's own for the whole step: at a corner of the polygon it would otherwise chatter.
     candidates = after.nearest_arcs(at) if pair.smooth else after.foot(at).arc[:, None]
-    return BodyInterface(pair, arcs, ContactPoints(ends, shares, lengths, candidates))
+    return BodyInterface(pair, arcs, ContactPoints.at_no_distance(ends, shares, lengths, candidates))
 
 
 def _edge_points(surface: BodySurface, points: Array, edges: IntArray) -> tuple[Array, Array, IntArray]:
