@@ -14,6 +14,7 @@ from pfemcut.case.sections import (
     Method,
     Output,
     Section,
+    SelfContact,
     Solver,
     Spacing,
     Time,
@@ -121,6 +122,14 @@ class Mesh(Spacing):
     )
 
 
+class CuttingContact(Contact):
+    """Contact between tool and workpiece."""
+
+    self: SelfContact = Field(
+        default_factory=SelfContact, description="Table [contact.self]: contact of the workpiece with itself"
+    )
+
+
 class Case(Section):
     """A whole case file."""
 
@@ -130,7 +139,7 @@ class Case(Section):
     workpiece: Workpiece = Field(description="Table [workpiece]: the block that is cut")
     tool: Tool = Field(description="Table [tool]")
     cutting: Cutting = Field(description="Table [cutting]: the motion of the tool")
-    contact: Contact = Field(default_factory=Contact, description="Table [contact]")
+    contact: CuttingContact = Field(default_factory=CuttingContact, description="Table [contact]")
     mesh: Mesh = Field(default_factory=Mesh, description="Table [mesh]: particle spacing")
     time: Time = Field(description="Table [time]: time steps")
     solver: Solver = Field(default_factory=Solver, description="Table [solver]")

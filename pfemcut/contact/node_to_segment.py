@@ -10,9 +10,9 @@ shape functions c = (S, -N) of the five particles and d = dc/dt,
 
 with the unit tangent a = x'/|x'|, P_N = eps L max(D - g, 0), and P_T by the friction law for the slip speed
 v = m_i . u_i / dt (u_i is what the particles move in the step). Bodies touch at the distance D: zero between bodies,
-the contact thickness where a body touches itself. The second term of m_i, which eqs. 27 and 28 lack, is the turn of the
-normal: without it a rigid rotation of both surfaces would slip, and the shear forces, at the distance g from each other,
-would have a moment. So forces and moments balance, and the power of P_T is exactly P_T v.
+the contact thickness where a body touches itself. The second term of m_i, which eqs. 27 and 28 lack, is the turn of
+the normal: without it a rigid rotation of both surfaces would slip, and the shear forces, at the distance g from each
+other, would have a moment. So forces and moments balance, and the power of P_T is exactly P_T v.
 """
 
 from __future__ import annotations

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,7 +25,13 @@ from pfemcut.materials.return_mapping import (
 )
 from pfemcut.materials.volumetric import volume_ratio_from_pressure
 from pfemcut.pfem.bodies import densities, moduli, over_cells, thermal_strains
-from pfemcut.pfem.body_contact import contact_search, interface_contact, nodal_forces, require_found
+from pfemcut.pfem.body_contact import (
+    SurfaceInterface,
+    contact_search,
+    interface_contact,
+    nodal_forces,
+    require_found,
+)
 from pfemcut.pfem.kinematics import (
     deformation_gradient,
     element_mean,
@@ -34,9 +41,10 @@ from pfemcut.pfem.kinematics import (
 )
 from pfemcut.pfem.loads import inertia_forces, load_forces, part_particles
 from pfemcut.pfem.newton import Linearisation, solve_momentum, solve_with_friction
+from pfemcut.pfem.self_contact import require_apart, self_contact_search
 from pfemcut.pfem.stabilisation import modulus_ratio
 from pfemcut.pfem.state import Fields
-from pfemcut.problem import Body, Integrator, Problem, VolumetricHistory
+from pfemcut.problem import Body, ContactLaw, Integrator, Problem, VolumetricHistory
 from pfemcut.timing import Stopwatch
 
 Array = NDArray[np.float64]
@@ -72,6 +80,8 @@ class Motion:
         One entry for each rigid tool.
     body_contact
         One entry for each contact pair.
+    self_contact
+        One entry if bodies may touch themselves.
     volume_ratio
         J at the end of the step; (m,).
     trial
@@ -87,6 +97,7 @@ class Motion:
     reactions: Array
     contact: tuple[ContactResult, ...]
     body_contact: tuple[SurfaceContact, ...]
+    self_contact: tuple[SurfaceContact, ...]
     volume_ratio: Array
     trial: Trial
     multiplier: Array
@@ -196,7 +207,13 @@ def solve_motion(
         for tool, shape in zip(problem.rigid_tools, shapes, strict=True)
     )
     interfaces = contact_search(problem, mesh, guess[:, :2])
-    laws = (problem.contact, *(pair.law for pair in problem.pairs))
+    own_interfaces = self_contact_search(problem, mesh, guess[:, :2])
+    # The law of the tool, of the pairs, and of self-contact only where surfaces may touch.
+    laws = (
+        problem.contact,
+        *(pair.law for pair in problem.pairs),
+        *(each.rule.law for each in own_interfaces if len(each.points.lengths)),
+    )
     frictionless = all(law.friction.frictionless for law in laws)
     # Only friction asks for it.
     nodal_flow_stress = np.zeros(count) if frictionless else surface_flow_stress(problem, mesh, fields)
@@ -242,13 +259,15 @@ def solve_motion(
             for tool, shape, lengths in tools
         )
 
-    def body_contacts(unknown: Array, smoothing: float = 1.0) -> tuple[SurfaceContact, ...]:
+    def surface_contacts(
+        touching: Sequence[tuple[SurfaceInterface, ContactLaw]], unknown: Array, smoothing: float = 1.0
+    ) -> tuple[SurfaceContact, ...]:
         displacement = unknown[:, :2]
         positions = mesh.points + displacement
         return tuple(
             interface_contact(
                 each,
-                each.pair.law.smoothed(smoothing),
+                law.smoothed(smoothing),
                 positions,
                 displacement,
                 step,
@@ -256,8 +275,11 @@ def solve_motion(
                 fields.temperature,
                 nodal_flow_stress,
             )
-            for each in interfaces
+            for each, law in touching
         )
+
+    pairs = [(each, each.pair.law) for each in interfaces]
+    own = [(each, each.rule.law) for each in own_interfaces]
 
     def linearise(unknown: Array, smoothing: float = 1.0) -> Linearisation:
         trial, multiplier = kinematics(unknown)
@@ -276,7 +298,7 @@ def solve_motion(
         nodal = NodalForces.sum(
             [
                 *_contact_forces(contacts(unknown, smoothing)),
-                *map(nodal_forces, body_contacts(unknown, smoothing)),
+                *map(nodal_forces, surface_contacts([*pairs, *own], unknown, smoothing)),
                 load_forces(problem, mesh, unknown[:, :2], start_time + step),
                 inertia_forces(unknown, mass, velocity, step),
             ]
@@ -304,7 +326,7 @@ def solve_motion(
         # Measured on cuts; a body that turns by degrees in a step needs the whole tangent.
         symmetric=bool(problem.cut) and frictionless,
         watch=watch,
-        couplings=[group for each in interfaces for group in each.couplings],
+        couplings=[group for each in (*interfaces, *own_interfaces) for group in each.couplings],
     ) as system:
         solution = solve(
             system,
@@ -318,15 +340,18 @@ def solve_motion(
             problem.newton,
         )
     trial, multiplier = kinematics(solution.unknown)
-    body_contact = body_contacts(solution.unknown)
+    body_contact = surface_contacts(pairs, solution.unknown)
     for interface, found in zip(interfaces, body_contact, strict=True):
         require_found(interface, found, mesh.points + solution.unknown[:, :2])
+    for each in own_interfaces:
+        require_apart(problem, mesh, each, mesh.points + solution.unknown[:, :2])
     return Motion(
         displacement=solution.unknown[:, :2].copy(),
         pressure=solution.unknown[:, 2].copy(),
         reactions=np.where(fixed[:, :2], solution.reactions, 0.0),
         contact=contacts(solution.unknown),
         body_contact=body_contact,
+        self_contact=surface_contacts(own, solution.unknown),
         volume_ratio=trial.jacobian * ratio,
         trial=trial,
         multiplier=multiplier.value,

@@ -68,6 +68,8 @@ class StepRecord:
     ----------
     tool_force
         Force on the tool (N/mm); (2,).
+    self_contact_length, self_contact_force
+        Length over which bodies touch themselves (mm), and sum of the normal force there (N/mm).
     inserted, removed, changed, outside
         Particles inserted and removed, elements that changed, Gauss points outside the old mesh.
     newton_iterations
@@ -82,6 +84,8 @@ class StepRecord:
     """
 
     tool_force: Array
+    self_contact_length: float
+    self_contact_force: float
     inserted: int
     removed: int
     changed: int
@@ -149,6 +153,7 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
                 _heating_power(problem, motion, plastic, power, step),
                 motion.contact,
                 motion.body_contact,
+                motion.self_contact,
                 kernels.heat_blocks,
                 state.tool_temperature,
                 state.clock.time + step,
@@ -265,7 +270,7 @@ def _record(
         work += 0.5 * float((on_body - state.last_tool_force) @ np.asarray(tool.velocity)) * step
         friction += float(result.forces.friction_power.sum()) * step
         spring += float(result.forces.energy.sum())
-    for found in motion.body_contact:
+    for found in (*motion.body_contact, *motion.self_contact):
         friction += float(found.friction_power.sum()) * step
         spring += float(found.energy.sum())
     for tool, particles in deformable_tools(problem, mesh):
@@ -295,6 +300,8 @@ def _record(
     )
     record = StepRecord(
         tool_force=force,
+        self_contact_length=sum(float(each.lengths.sum()) for each in motion.self_contact),
+        self_contact_force=sum(float(each.normal_force.sum()) for each in motion.self_contact),
         inserted=sum(len(each.inserted_cells) for each in remesh_map),
         removed=sum(each.removed for each in remesh_map),
         changed=sum(int((~each.unchanged).sum()) for each in remesh_map),
