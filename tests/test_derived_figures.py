@@ -92,8 +92,8 @@ def test_a_short_chip_is_measured_in_part_and_flagged_or_not_at_all(rake: float)
 def test_a_ray_through_a_shared_corner_meets_the_surface_once() -> None:
     starts, ends = np.array([[1.0, -1.0], [1.0, 0.0]]), np.array([[1.0, 0.0], [1.0, 1.0]])
     ray = np.zeros((1, 2)), np.array([[1.0, 0.0]])
-    assert first_crossing(*ray, starts, ends, outward=True).tolist() == [1.0]
-    assert np.isinf(first_crossing(*ray, starts, ends, outward=False)).all()
+    assert first_crossing(*ray, starts, ends, outward=True)[0].tolist() == [1.0]
+    assert np.isinf(first_crossing(*ray, starts, ends, outward=False)[0]).all()
 
 
 @pytest.mark.parametrize("rake", RAKES)

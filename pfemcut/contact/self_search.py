@@ -5,7 +5,8 @@ A point q of the boundary faces the nearest point of an edge that shares no part
 1. q lies outside the edge, on the side of its outward normal: the other side of a thin wall does not count;
 2. the outward normals oppose: the cosine of the angle between one and the reverse of the other exceeds 1/4. From
    there to 1 grows the weight of the contact's length, so that contact begins and ends smoothly where surfaces turn;
-3. it is nearer than a reach.
+3. it is nearer than a reach, and than half the boundary between the two: in an open notch, such as the root of the chip,
+   nothing faces.
 
 The walls of any notch are near each other at its root. So the distance at which two points touch, the contact
 thickness, is at most an eighth of the boundary between them: the walls of a notch of more than 14 degrees never touch,
@@ -29,9 +30,10 @@ IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
 _NOTCH = 0.125  # largest contact thickness relative to the boundary between two points
+_OPEN = 0.5  # distance relative to the boundary between two points beyond which they lie in an open notch
 _OPPOSED = 0.25  # cosine between normal and reversed normal below which surfaces do not face each other
 _WINDOW = 3  # arcs on each side of the nearest one among which the foot is looked for
-_LEAST_APART = 3  # entries between a point's edge and the middle of the window
+_LEAST_APART = 2  # entries between the ends of a point's edge and the arcs of its window
 _PLACES = np.array([0.0, 0.5, 1.0])  # of the points on an edge, and what they stand for: Simpson's rule
 _PARTS = np.array([1.0, 4.0, 1.0]) / 6.0
 
@@ -140,8 +142,12 @@ def facing_points(
     touches_at = np.minimum(thickness, _NOTCH * apart)
     slack = reach + 2.0 * np.hypot(*(pace[mine] - pace[other]).T)
     middle = np.where(fraction < 0.5, other, boundary.following[other])
-    separation = _entries_between(boundary, mine, middle)
-    chosen = outside & (distance < touches_at + slack) & (separation >= _LEAST_APART)
+    separation = np.minimum(
+        _entries_between(boundary, mine, middle),
+        _entries_between(boundary, boundary.following[mine], middle),
+    )
+    near = distance < np.minimum(touches_at + slack, _OPEN * apart)
+    chosen = outside & near & (separation >= _LEAST_APART)
 
     # Of each point the surface that it is nearest to touching.
     rows = np.flatnonzero(chosen)
