@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from dataclasses import replace
+from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,9 +16,9 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from meshing.mesh import Boundary
-from pfemcut.contact.self_search import FacingPoints, facing_points
-from pfemcut.pfem.method import PfemMethod
 from pfemcut.contact.friction_laws.coulomb import Coulomb
+from pfemcut.contact.self_search import FacingPoints, facing_points
+from pfemcut.method import CutEnded
 from pfemcut.pfem.method import PfemMethod
 from pfemcut.pfem.self_contact import self_contact_search
 from pfemcut.problem import Axis, PrescribedMotion, Problem, Schedule, SelfContact
@@ -236,7 +241,7 @@ def test_friction_between_the_arms_takes_work_and_heats() -> None:
 
 
 def test_run_with_self_contact_restarts_bit_for_bit() -> None:
-    problem = jaws_problem(0.03, SPACING, friction=0.1, speed=500.0, step=1e-5, steps=9)
+    problem = rubbing_jaws()
     method = advanced(problem, 7)
     assert method.own_measures()["self_contact_force"] > 0.0
     other = PfemMethod.restore(problem, dict(method.state()))
@@ -248,23 +253,93 @@ def test_run_with_self_contact_restarts_bit_for_bit() -> None:
     assert method.own_measures() == other.own_measures()
 
 
-WALL = 0.3  # mm ahead of the end face
-
-
-def walled_cut(**self_contact: object) -> Problem:
-    """The short cut with a thin wall on the uncut surface, which the chip meets soon."""
-    problem = cut_problem(contact={"friction": 0.0, "self": self_contact})
+def cut_under_a_ledge(**self_contact: object) -> Problem:
+    """A coarse cut with a ledge above the uncut surface, 0.2 mm from the end face, which the chip meets soon."""
+    sizes = {"tip_size": 0.012, "shear_zone_size": 0.03, "chip_size": 0.04, "surface_size": 0.05}
+    problem = cut_problem(contact={"self": self_contact}, mesh=sizes, time={"step": 6e-7})
     length, height = 1.2, 0.6
-    foot, top = length - WALL, height + 0.2
+    ledge = [(-0.36, 0.0), (-0.2, 0.04), (-0.2, 0.14), (-0.42, 0.14), (-0.42, 0.0)]
     outline = (
         (0.0, 0.0),
         (length, 0.0),
         (length, height),
-        (foot, height),
-        (foot, top),
-        (foot - 0.06, top),
-        (foot - 0.06, height),
+        *((length + x, height + y) for x, y in ledge),
         (0.0, height),
     )
-    parts = ("bottom", "side", "top", "top", "top", "top", "top", "fixed")
+    parts = ("bottom", "side", *(["top"] * 6), "fixed")
     return replace(problem, body=replace(problem.body, outline=outline, parts=parts))
+
+
+@cache
+def approached() -> dict[str, NDArray[np.generic]]:
+    """The cut shortly before the chip meets the ledge."""
+    return dict(advanced(cut_under_a_ledge(), 40).state())
+
+
+def test_cut_goes_on_after_the_chip_touches() -> None:
+    """The chip meets the ledge and pushes it aside: forces, ledgers and area stay sound."""
+    method = PfemMethod.restore(cut_under_a_ledge(), approached())
+    before = after = 0
+    while after < 15:
+        method.advance()
+        touches = method.own_measures()["self_contact_force"] > 0.0
+        before, after = before + (not touches and not after), after + touches
+        assert before < 20
+    measures, own = method.measure(), method.own_measures()
+    assert own["self_contact_force"] > 5.0
+    assert 100.0 < measures.cutting_force < 300.0
+    assert abs(measures.energy_error) < 0.01
+    assert abs(own["heat_error"]) < 0.01
+    assert abs(own["area_drift"]) < 1e-10
+
+
+def test_cut_without_self_contact_ends_at_the_ledge() -> None:
+    """With the message that says where, as before."""
+    method = PfemMethod.restore(cut_under_a_ledge(enabled=False), approached())
+    with pytest.raises(CutEnded, match="touches itself: boundary edges cross near"):
+        for _ in range(30):
+            method.advance()
+
+
+RANK_SCRIPT = """
+import sys
+import numpy as np
+from mpi4py import MPI
+from tests.problems import advanced
+from tests.test_self_contact import rubbing_jaws
+method = advanced(rubbing_jaws(), 6)
+state = method.state()
+assert MPI.COMM_WORLD.size == 2
+if MPI.COMM_WORLD.rank == 0:
+    np.savez(sys.argv[1], force=method.own_measures()["self_contact_force"], **state)
+"""
+
+
+def rubbing_jaws() -> Problem:
+    return jaws_problem(0.03, SPACING, friction=0.1, speed=500.0, step=1e-5, steps=9)
+
+
+def test_two_ranks_agree_with_one(tmp_path: Path) -> None:
+    """The same triangles, and contact force and all fields to 1e-8 of their size."""
+    script, result = tmp_path / "press.py", tmp_path / "press.npz"
+    script.write_text(RANK_SCRIPT)
+    environment = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_", "ORTE_"))}
+    root = Path(__file__).parent.parent
+    environment |= {"OMP_NUM_THREADS": "1", "PYTHONPATH": str(root)}
+    done = subprocess.run(
+        ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", "2", sys.executable, str(script)]
+        + [str(result)],
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    assert done.returncode == 0, done.stderr
+    method = advanced(rubbing_jaws(), 6)
+    two, one = np.load(result), method.state()
+    assert float(two["force"]) == pytest.approx(method.own_measures()["self_contact_force"], rel=1e-8)
+    assert float(two["force"]) > 1000.0
+    assert np.array_equal(two["mesh/cells"], one["mesh/cells"])
+    for name in ("mesh/points", "fields/pressure", "fields/displacement", "fields/b_elastic"):
+        size = np.abs(one[name].astype(float)).max()
+        assert np.abs(two[name] - one[name]).max() <= 1e-8 * size, name

@@ -50,10 +50,9 @@ def self_contact(
         return ()
     thickness = _THICKNESS * spacing if given.thickness is None else given.thickness
     stiff = _STIFFNESS * material.young_modulus / thickness
-    friction = given.friction
     law = ContactLaw(
         penalty=stiff if given.penalty is None else given.penalty,
-        friction=Coulomb(coefficient=friction) if isinstance(friction, float) else friction,
+        friction=Coulomb(coefficient=given.friction),
         reference_speed=given.reference_speed,
         heat_partition=0.5,
     )

@@ -142,10 +142,7 @@ class SelfContact(Section):
         gt=0,
         description="Contact pressure per closure (MPa/mm); unless given, Young's modulus / (20 thickness)",
     )
-    friction: Friction = Field(
-        default=0.0,
-        description="Coulomb coefficient (dimensionless), or a table of a friction law as in [contact]",
-    )
+    friction: float = Field(default=0.0, ge=0, le=2, description="Coulomb coefficient (dimensionless)")
     reference_speed: float = Field(
         default=1.0, gt=0, description="Sliding speed that regularises friction (mm/s)"
     )

@@ -5,8 +5,8 @@ A point q of the boundary faces the nearest point of an edge that shares no part
 1. q lies outside the edge, on the side of its outward normal: the other side of a thin wall does not count;
 2. the outward normals oppose: the cosine of the angle between one and the reverse of the other exceeds 1/4. From
    there to 1 grows the weight of the contact's length, so that contact begins and ends smoothly where surfaces turn;
-3. it is nearer than a reach, and than half the boundary between the two: in an open notch, such as the root of the chip,
-   nothing faces.
+3. it is nearer than a reach, and than half the boundary between the two: in an open notch, such as the root of the
+   chip, nothing faces.
 
 The walls of any notch are near each other at its root. So the distance at which two points touch, the contact
 thickness, is at most an eighth of the boundary between them: the walls of a notch of more than 14 degrees never touch,
