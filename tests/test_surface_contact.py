@@ -97,6 +97,20 @@ def test_tangent_is_the_derivative_of_the_forces(smooth: bool, thickness: float)
     assert np.abs(exact - numeric).max() < 1e-6 * np.abs(exact).max()
 
 
+@pytest.mark.parametrize("smooth", [True, False])
+def test_tangent_is_symmetric_without_friction(smooth: bool) -> None:
+    arcs, points, positions, displacement = pressed(smooth, 0.2)
+
+    def none(pressure: Array, *_: object) -> tuple[Array, Array, Array]:
+        return 0.0 * pressure, 0.0 * pressure, 0.0 * pressure
+
+    found = surface_contact(arcs, points, positions, displacement, STEP, PENALTY, none)
+    inside = (found.foot.t > 1e-3) & (found.foot.t < 1 - 1e-3)
+    stiffness = found.stiffness[inside].reshape(-1, 10, 10)
+    assert len(stiffness) >= 10
+    assert np.abs(stiffness - stiffness.transpose(0, 2, 1)).max() < 1e-12 * np.abs(stiffness).max()
+
+
 @pytest.mark.parametrize("thickness", [0.0, 0.2])
 @pytest.mark.parametrize("smooth", [True, False])
 def test_forces_balance_and_friction_takes_their_power(smooth: bool, thickness: float) -> None:
