@@ -155,7 +155,11 @@ def facing_points(
     first = np.ones(len(order), dtype=bool)
     first[1:] = query[order[1:]] != query[order[:-1]]
     best = order[first]
-    cosine = -np.sum(outward[mine[best]] * outward[other[best]], axis=1)
+    # By the curve's normal at the foot: that of the edge would change from one to the next.
+    opposite = _curve_normals(
+        points, boundary, middle[best], np.where(fraction < 0.5, 0.5, -0.5)[best] + fraction[best]
+    )
+    cosine = np.maximum(-np.sum(outward[mine[best]] * opposite, axis=1), _OPPOSED)
     weight = np.tile(_PARTS, count)[query[best]]
     return FacingPoints(
         mine[best],
@@ -165,6 +169,14 @@ def facing_points(
         apart[best],
         _window(boundary, middle[best], separation[best]),
     )
+
+
+def _curve_normals(points: Array, boundary: Boundary, arcs: IntArray, t: Array) -> Array:
+    """Outward unit normals of the closed curve at ``t`` (k,) on its ``arcs`` (k,); shape (k, 2)."""
+    curve = closed_arcs(boundary)
+    _, slope, _ = curve.at(arcs, t)
+    tangent = np.einsum("ka,kai->ki", slope, points[curve.nodes[arcs]])
+    return np.column_stack([tangent[:, 1], -tangent[:, 0]]) / np.hypot(*tangent.T)[:, None]
 
 
 def _near_pairs(

@@ -56,7 +56,7 @@ def _search(rule: SelfContact, mesh: Mesh, points: Array, motion: Array) -> Self
     return SelfInterface(closed_arcs(boundary), contact_points, rule, found)
 
 
-def require_apart(problem: Problem, mesh: Mesh, interface: SelfInterface, positions: Array) -> None:
+def require_apart(mesh: Mesh, interface: SelfInterface, positions: Array) -> None:
     """Fail if at the end of a step, with the particles at ``positions`` (n, 2), surfaces meet that were not watched.
 
     Raises

@@ -20,7 +20,7 @@ from pfemcut.pfem.bodies import densities, over_cells, over_particles
 from pfemcut.pfem.body_contact import heat_exchange
 from pfemcut.pfem.kinematics import element_mean, lumped, tributary_lengths
 from pfemcut.pfem.loads import part_edges, part_particles
-from pfemcut.pfem.mechanics import ContactResult
+from pfemcut.pfem.step_contact import ContactResult
 from pfemcut.problem import MovingHeatBand, Problem
 from pfemcut.tools.heat_block import HeatBlock
 
