@@ -15,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from meshing.mesh import Boundary
+from meshing.mesh import Boundary, boundary_area, signed_areas
 from pfemcut.contact.friction_laws.coulomb import Coulomb
 from pfemcut.contact.self_search import FacingPoints, facing_points
 from pfemcut.method import CutEnded
@@ -202,6 +202,9 @@ def test_arms_pressed_together_never_cross_and_the_energy_closes() -> None:
         mesh = method.current.mesh
         (found,) = self_contact_search(problem, mesh, np.zeros_like(mesh.points))
         nearest.append(found.facing.distance.min(initial=np.inf))
+        # What the arms enclose is not meshed.
+        meshed = signed_areas(mesh.points, mesh.cells).sum()
+        assert meshed == pytest.approx(boundary_area(mesh.points, mesh.boundary), rel=1e-12)
         own = method.own_measures()
         forces.append(own["self_contact_force"])
         balance = own["reaction_bottom_y"] + own["reaction_top_y"]
