@@ -11,7 +11,7 @@ from meshing.boundary import Outline, PlaceBoundary, collapse_short_edges, split
 from meshing.interior import crowded_particles, refinement_points
 from meshing.locate import locate
 from meshing.mesh import Boundary, Mesh
-from meshing.sizes import SizeField
+from meshing.sizes import SpacingField
 from meshing.triangulation import constrained_delaunay
 
 Array = NDArray[np.float64]
@@ -101,7 +101,7 @@ class RemeshMap:
 
 def remesh(
     mesh: Mesh,
-    sizes: SizeField,
+    sizes: SpacingField,
     rules: SpacingRules,
     *,
     refine_score: Array,
@@ -193,7 +193,7 @@ def _on_boundary(mesh: Mesh) -> BoolArray:
 
 def _edit_boundary(
     mesh: Mesh,
-    sizes: SizeField,
+    sizes: SpacingField,
     rules: SpacingRules,
     outline: Outline,
     coarsening: SpacingFactors,

@@ -3,11 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+
+
+class SpacingField(Protocol):
+    """Wished particle spacing as a function of position."""
+
+    def __call__(self, points: Array, /) -> Array:
+        """Spacing (mm) at ``points`` (n, 2); shape (n,)."""
 
 
 @dataclass(frozen=True)

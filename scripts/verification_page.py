@@ -42,6 +42,7 @@ GROUPS = {
         "sliding_block",
         "two_body_patch",
         "two_body_hertz",
+        "self_contact",
     ),
     "Heat": (
         "heat_flux_half_space",

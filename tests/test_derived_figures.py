@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from synthetic_cut import CUT, DEPTH, TIP, filled_frame, outline_frame, tool_of
+from synthetic_cut import CUT, DEPTH, TIP, filled_frame, from_rake_frame, outline_frame, tool_of
 
 from pfemcut.method import ContactView
 from pfemcut.results.derived.chip_curl import REACH, curl_radius
@@ -69,6 +69,29 @@ def test_chip_speed_is_that_along_the_chip_relative_to_the_tool(rake: float) -> 
     )
 
 
+@pytest.mark.parametrize("rake", RAKES)
+def test_a_body_that_touches_the_chip_is_not_taken_for_it(rake: float) -> None:
+    """A tongue of the workpiece at rest, a thousandth of the chip's thickness off its free side."""
+    frame, tool = outline_frame(rake, 0.15), tool_of(rake)
+    count = len(frame.points)
+    s = np.linspace(0.12, 0.5, 200)
+    tongue = np.vstack(
+        [
+            from_rake_frame(tool, s, np.full(200, 0.15 + 1.5e-4)),
+            from_rake_frame(tool, s[::-1], np.full(200, 0.4)),
+        ]
+    )
+    points = np.vstack([frame.points, tongue])
+    up_the_rake = 1500.0 * tool.rake_direction + [-3000.0, 0.0]
+    velocity = np.vstack([np.tile(up_the_rake, (count, 1)), np.zeros_like(tongue)])
+    touched = replace(
+        frame, points=points, loops=(np.arange(len(points)),), point_fields={"velocity": velocity}
+    )
+    section, alone = (chip_section(each, tool, DEPTH) for each in (touched, frame))
+    np.testing.assert_allclose(section.thickness, alone.thickness, rtol=1e-12)
+    assert chip_speed(section, tool, (-3000.0, 0.0)) == pytest.approx(1500.0, rel=1e-9)
+
+
 def test_a_rough_surface_changes_the_mean_thickness_little() -> None:
     frame = outline_frame(6.0, 0.15, curl=1.0)
     rough = (
@@ -92,8 +115,8 @@ def test_a_short_chip_is_measured_in_part_and_flagged_or_not_at_all(rake: float)
 def test_a_ray_through_a_shared_corner_meets_the_surface_once() -> None:
     starts, ends = np.array([[1.0, -1.0], [1.0, 0.0]]), np.array([[1.0, 0.0], [1.0, 1.0]])
     ray = np.zeros((1, 2)), np.array([[1.0, 0.0]])
-    assert first_crossing(*ray, starts, ends, outward=True).tolist() == [1.0]
-    assert np.isinf(first_crossing(*ray, starts, ends, outward=False)).all()
+    assert first_crossing(*ray, starts, ends, outward=True)[0].tolist() == [1.0]
+    assert np.isinf(first_crossing(*ray, starts, ends, outward=False)[0]).all()
 
 
 @pytest.mark.parametrize("rake", RAKES)

@@ -43,6 +43,14 @@ def figures(case: AnyCase, material: Material, base_directory: Path) -> list[tup
         ),
         ("cut", f"{cutting.depth:g} mm deep, {cutting.travel:g} mm at {cutting.speed:g} mm/s"),
         ("friction", _friction(case.contact)),
+        *(
+            (
+                "self-contact",
+                f"thickness {rule.thickness:.3g} mm, penalty {rule.law.penalty:.3g} MPa/mm, "
+                f"friction {case.contact.self.friction:g}",
+            )
+            for rule in problem.self_contact
+        ),
         ("integrator", case.time.integrator),
         (
             "steps",

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from meshing.sizes import SizeField
 from pfemcut.case.sections import ConductanceTable, Contact, Solver, Spacing, Time, ToolHeat
+from pfemcut.case.sections import SelfContact as SelfContactTable
 from pfemcut.contact.conductance import Conductance
 from pfemcut.contact.friction_laws.coulomb import Coulomb
+from pfemcut.materials.material import Material
 from pfemcut.problem import (
     Coarsening,
     Conductor,
@@ -17,11 +19,15 @@ from pfemcut.problem import (
     MovingTool,
     NewtonControls,
     ParticleControls,
+    SelfContact,
     StabilisationModulus,
     TimeControls,
     VolumetricHistory,
 )
 from pfemcut.tools.rigid_wedge import RigidWedge
+
+_THICKNESS = 0.25  # of the spacing
+_STIFFNESS = 0.05  # of Young's modulus: the pressure at which surfaces that touch close on each other
 
 
 def contact_law(contact: Contact) -> ContactLaw:
@@ -34,6 +40,23 @@ def contact_law(contact: Contact) -> ContactLaw:
         heat_partition=contact.heat_partition,
         conductance=_conductance(contact.conductance),
     )
+
+
+def self_contact(
+    given: SelfContactTable | None, spacing: float, material: Material
+) -> tuple[SelfContact, ...]:
+    """How a body of particles about ``spacing`` (mm) apart touches itself."""
+    if given is None or not given.enabled:
+        return ()
+    thickness = _THICKNESS * spacing if given.thickness is None else given.thickness
+    stiff = _STIFFNESS * material.young_modulus / thickness
+    law = ContactLaw(
+        penalty=stiff if given.penalty is None else given.penalty,
+        friction=Coulomb(coefficient=given.friction),
+        reference_speed=given.reference_speed,
+        heat_partition=0.5,
+    )
+    return (SelfContact(law, thickness, spacing),)
 
 
 def _conductance(given: float | ConductanceTable) -> Conductance:

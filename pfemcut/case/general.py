@@ -12,6 +12,7 @@ from pfemcut.case.controls import (
     moving_tool,
     newton_controls,
     particle_controls,
+    self_contact,
     stabilisation_modulus,
     time_controls,
 )
@@ -81,6 +82,9 @@ def general_problem(case: GeneralCase, material: Material, base_directory: Path)
         motions=tuple(motion for side in sides for motion in _motions(side, case.time.end)),
         tool=() if case.tool is None else (_moving_tool(case),),
         contact=contact_law(Contact() if isinstance(case.contact, tuple) else case.contact),
+        self_contact=()
+        if isinstance(case.contact, tuple)
+        else self_contact(case.contact.self, case.mesh.size, material),
         others=others,
         pairs=tuple(
             ContactPair(

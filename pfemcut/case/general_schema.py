@@ -14,6 +14,7 @@ from pfemcut.case.sections import (
     Method,
     Output,
     Section,
+    SelfContact,
     Solver,
     Spacing,
     Time,
@@ -209,6 +210,14 @@ class GeneralTime(Time):
     )
 
 
+class GeneralContact(Contact):
+    """Contact between tool and body."""
+
+    self: SelfContact | None = Field(
+        default=None, description="Table [contact.self]: contact of the body with itself"
+    )
+
+
 class PairTable(Contact):
     """Contact between boundary parts of two bodies."""
 
@@ -229,7 +238,7 @@ def _one_or_more(value: Any) -> str:
 
 
 Contacts = Annotated[
-    Annotated[Contact, Tag("one law")]
+    Annotated[GeneralContact, Tag("one law")]
     | Annotated[tuple[PairTable, ...], BeforeValidator(_as_tuple), Tag("pairs")],
     Discriminator(_one_or_more),
 ]
@@ -257,7 +266,7 @@ class GeneralCase(Section):
     )
     tool: RigidTool | None = Field(default=None, description="Table [tool]: a rigid tool")
     contact: Contacts = Field(
-        default_factory=Contact,
+        default_factory=GeneralContact,
         description="Table [contact]: contact with the tool; or tables [[contact]] between bodies",
     )
     mesh: GeneralMesh = Field(description="Table [mesh]: particle spacing")

@@ -15,6 +15,11 @@ from pfemcut.case.sections import (
     Method,
     Output,
     Section,
+<<<<<<< HEAD
+=======
+    SelfContact,
+    Solver,
+>>>>>>> ef53808d1b058d5dfb7a98e3c04cdd4f5c2a73cf
     Spacing,
     Time,
     ToolHeat,
@@ -121,6 +126,14 @@ class Mesh(Spacing):
     )
 
 
+class CuttingContact(Contact):
+    """Contact between tool and workpiece."""
+
+    self: SelfContact = Field(
+        default_factory=SelfContact, description="Table [contact.self]: contact of the workpiece with itself"
+    )
+
+
 class Case(Section):
     """A whole case file."""
 
@@ -130,7 +143,7 @@ class Case(Section):
     workpiece: Workpiece = Field(description="Table [workpiece]: the block that is cut")
     tool: Tool = Field(description="Table [tool]")
     cutting: Cutting = Field(description="Table [cutting]: the motion of the tool")
-    contact: Contact = Field(default_factory=Contact, description="Table [contact]")
+    contact: CuttingContact = Field(default_factory=CuttingContact, description="Table [contact]")
     mesh: Mesh = Field(default_factory=Mesh, description="Table [mesh]: particle spacing")
     time: Time = Field(description="Table [time]: time steps")
     solver: CuttingSolver = Field(default_factory=CuttingSolver, description="Table [solver]")

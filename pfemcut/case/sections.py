@@ -125,6 +125,29 @@ class Contact(Section):
     )
 
 
+class SelfContact(Section):
+    """Contact of a body with itself, such as chip with chip and chip with workpiece."""
+
+    enabled: bool = Field(
+        default=True, description="Whether it is treated; else the run ends where a body touches itself"
+    )
+    thickness: float | None = Field(
+        default=None,
+        gt=0,
+        description="Distance at which surfaces touch (mm); unless given, a quarter of [mesh] chip_size in a cut, or "
+        "of [mesh] size",
+    )
+    penalty: float | None = Field(
+        default=None,
+        gt=0,
+        description="Contact pressure per closure (MPa/mm); unless given, Young's modulus / (20 thickness)",
+    )
+    friction: float = Field(default=0.0, ge=0, le=2, description="Coulomb coefficient (dimensionless)")
+    reference_speed: float = Field(
+        default=1.0, gt=0, description="Sliding speed that regularises friction (mm/s)"
+    )
+
+
 class Spacing(Section):
     """When particles are inserted and removed; factors are relative to the spacing h."""
 

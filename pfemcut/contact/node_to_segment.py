@@ -6,11 +6,13 @@ shape functions c = (S, -N) of the five particles and d = dc/dt,
 
     g = r . n,    dg = n . c_i dx_i,    dt = (c_i x' - d_i g n) . dx_i / (|x'|² - g n . x''),
 
-    forces on the five particles:  P_N c_i n  (eqs. 22, 23)  and  P_T c_i a  (eqs. 27, 28)
+    forces on the five particles:  P_N c_i n  (eqs. 22, 23)  and  P_T m_i,  m_i = c_i a - d_i (g / |x'|) n
 
-with the unit tangent a = x'/|x'|, P_N = eps L max(-g, 0), and P_T by the friction law for the slip speed
-v = c_i u_i . a / dt (eq. 24: u_i is what the particles move in the step). Forces and moments balance, and
-the power of P_T is exactly P_T v.
+with the unit tangent a = x'/|x'|, P_N = eps L max(D - g, 0), and P_T by the friction law for the slip speed
+v = m_i . u_i / dt (u_i is what the particles move in the step). Bodies touch at the distance D: zero between bodies,
+the contact thickness where a body touches itself. The second term of m_i, which eqs. 27 and 28 lack, is the turn of
+the normal: without it a rigid rotation of both surfaces would slip, and the shear forces, at the distance g from each
+other, would have a moment. So forces and moments balance, and the power of P_T is exactly P_T v.
 """
 
 from __future__ import annotations
@@ -45,12 +47,22 @@ class ContactPoints:
         Length of surface that each point stands for (mm); shape (k,).
     candidates
         Arcs of the master surface among which the foot is; shape (k, w).
+    thickness
+        Distance D at which each touches (mm); shape (k,).
     """
 
     particles: IntArray
     shares: Array
     lengths: Array
     candidates: IntArray
+    thickness: Array
+
+    @staticmethod
+    def at_no_distance(
+        particles: IntArray, shares: Array, lengths: Array, candidates: IntArray
+    ) -> ContactPoints:
+        """Points that touch where the surfaces meet."""
+        return ContactPoints(particles, shares, lengths, candidates, np.zeros(len(lengths)))
 
 
 @dataclass(frozen=True)
@@ -110,7 +122,8 @@ def surface_contact(
     """
     at = np.einsum("kb,kbi->ki", points.shares, positions[points.particles])
     foot = feet(arcs, positions, at, points.candidates)
-    touching = np.flatnonzero((foot.gap < 0.0) & (points.lengths > 0.0))
+    near = (foot.gap < points.thickness) & ~foot.beyond
+    touching = np.flatnonzero(near & (points.lengths > 0.0))
     foot = Foot(foot.arc[touching], foot.t[touching], foot.gap[touching], foot.beyond[touching])
     count = len(touching)
     master = arcs.nodes[foot.arc]
@@ -128,51 +141,67 @@ def surface_contact(
     u = displacement[particles]
 
     gap = foot.gap
-    pressure = -penalty * gap
+    closure = points.thickness[touching] - gap
+    pressure = penalty * closure
     normal_force = lengths * pressure
     slip = np.einsum("ka,kai->ki", c, u)
-    slip_speed = np.sum(slip * along, axis=1) / step
+    spin = np.einsum("ka,kai->ki", d, u)
+    lever = gap / speed
+    slip_speed = (np.sum(slip * along, axis=1) - lever * np.sum(spin * normal, axis=1)) / step
     shear, by_pressure, by_speed = friction(pressure, slip_speed, touching)
     shear_force = -lengths * shear
 
-    # Gradients by the positions of the five particles, (k, 10): of the gap, t, n . x', and the slip speed.
+    # Gradients by the positions of the five particles, (k, 10).
     def by_x(factor: Array, direction: Array) -> Array:
         return (factor[:, :, None] * direction[:, None, :]).reshape(count, 10)
 
-    gap_x = by_x(c, normal)
-    stretch = speed**2 - gap * np.sum(normal * second, axis=1)
-    t_x = (by_x(c, tangent) - by_x(d * gap[:, None], normal)) / stretch[:, None]
-    # d(x') . n / |x'|: the turn of the tangent towards n; the normal turns back by as much.
-    turn_x = (-by_x(d, normal) + np.sum(second * normal, axis=1)[:, None] * t_x) / speed[:, None]
-    drift = np.einsum("ka,kai,ki->k", d, u, along)
-    speed_x = by_x(c, along) + drift[:, None] * t_x + np.sum(slip * normal, axis=1)[:, None] * turn_x
-    speed_x = speed_x / step
-    pressure_x = -penalty * gap_x
-    normal_x = lengths[:, None] * pressure_x
-    shear_x = -lengths[:, None] * (by_pressure[:, None] * pressure_x + by_speed[:, None] * speed_x)
+    def per_point(values: Array, gradient: Array) -> Array:
+        return values[:, None] * gradient
 
-    # F_i = c_i (P_N n + P_T a):  dn = -turn a,  da = turn n.
+    gap_x = by_x(c, normal)
+    bent = np.sum(normal * second, axis=1)
+    t_x = per_point(1.0 / (speed**2 - gap * bent), by_x(c, tangent) - by_x(d * gap[:, None], normal))
+    # The change of x' is -d_i dx_i + x'' dt: along a it stretches, along n it turns a towards n and n back.
+    turn_x = per_point(1.0 / speed, per_point(bent, t_x) - by_x(d, normal))
+    speed_x = per_point(np.sum(along * second, axis=1), t_x) - by_x(d, along)
+    lever_x = per_point(1.0 / speed, gap_x - per_point(lever, speed_x))
+    e = np.column_stack([np.zeros((count, 2)), -bend])
+    spin_n, spin_a = np.sum(spin * normal, axis=1), np.sum(spin * along, axis=1)
+    curl_n = np.einsum("ka,kai,ki->k", e, u, normal)
+    slip_x = by_x(c, along) - by_x(d * lever[:, None], normal) - per_point(spin_n, lever_x)
+    slip_x += per_point(spin_a - lever * curl_n, t_x)
+    slip_x += per_point(np.sum(slip * normal, axis=1) + lever * spin_a, turn_x)
+    normal_x = per_point(-penalty * lengths, gap_x)
+    shear_x = per_point(by_pressure, per_point(-penalty * lengths, gap_x))
+    shear_x = -shear_x - per_point(lengths * by_speed / step, slip_x)
+
+    # F_i = c_i (P_N n + P_T a) - d_i lever P_T n:  dn = -turn a,  da = turn n,  dc_i = d_i dt,  dd_i = e_i dt.
     total = normal_force[:, None] * normal + shear_force[:, None] * along
     turned = -normal_force[:, None] * along + shear_force[:, None] * normal
-    change = (
-        normal[:, :, None] * normal_x[:, None, :]
-        + along[:, :, None] * shear_x[:, None, :]
-        + turned[:, :, None] * turn_x[:, None, :]
-    )
-    derivative = c[:, :, None, None] * change[:, None] + (
-        d[:, :, None, None] * total[:, None, :, None] * t_x[:, None, None, :]
+    couple = (lever * shear_force)[:, None]
+    change = _outer(normal, normal_x) + _outer(along, shear_x) + _outer(turned, turn_x)
+    couple_x = per_point(shear_force, lever_x) + per_point(lever, shear_x)
+    change_d = _outer(total, t_x) - _outer(normal, couple_x) + _outer(couple * along, turn_x)
+    derivative = (
+        c[:, :, None, None] * change[:, None]
+        + d[:, :, None, None] * change_d[:, None]
+        - e[:, :, None, None] * _outer(couple * normal, t_x)[:, None]
     )
     return SurfaceContact(
         points=touching,
         foot=foot,
         particles=particles,
         shape=c,
-        forces=c[:, :, None] * total[:, None, :],
+        forces=c[:, :, None] * total[:, None, :] - d[:, :, None] * (couple * normal)[:, None, :],
         stiffness=-derivative.reshape(count, 5, 2, 5, 2),
         normal_force=normal_force,
         shear_force=shear_force,
         lengths=lengths,
         slip_speed=slip_speed,
         friction_power=-shear_force * slip_speed,
-        energy=-0.5 * normal_force * gap,
+        energy=0.5 * normal_force * closure,
     )
+
+
+def _outer(a: Array, b: Array) -> Array:
+    return a[:, :, None] * b[:, None, :]

@@ -34,7 +34,7 @@ _PROLONGED = 0.5  # of an edge: how far a point may slide past the end of the on
 _WINDOW = 3  # arcs on each side of the nearest particle's among which the foot is looked for
 
 # Shape functions of an arc, rows for 1, t, t²: B-spline arc, half edges at the ends of a chain, whole edge.
-_SPLINE = np.array([[0.5, 0.5, 0.0], [-1.0, 1.0, 0.0], [0.5, -1.0, 0.5]])
+SPLINE = np.array([[0.5, 0.5, 0.0], [-1.0, 1.0, 0.0], [0.5, -1.0, 0.5]])
 _FIRST_HALF = np.array([[1.0, 0.0, 0.0], [-0.5, 0.5, 0.0], [0.0, 0.0, 0.0]])
 _LAST_HALF = np.array([[0.5, 0.5, 0.0], [-0.5, 0.5, 0.0], [0.0, 0.0, 0.0]])
 _EDGE = np.array([[1.0, 0.0, 0.0], [-1.0, 1.0, 0.0], [0.0, 0.0, 0.0]])
@@ -124,11 +124,11 @@ def surface_arcs(points: Array, boundary: Boundary, parts: IntArray, smooth: boo
             basis.append(np.tile(_EDGE, (len(behind), 1, 1)))
         elif is_closed:
             nodes.append(np.column_stack([np.roll(chain, 1), chain, np.roll(chain, -1)]))
-            basis.append(np.tile(_SPLINE, (len(chain), 1, 1)))
+            basis.append(np.tile(SPLINE, (len(chain), 1, 1)))
         else:
             inner = np.column_stack([chain[:-2], chain[1:-1], chain[2:]])
             nodes.append(np.vstack([chain[[0, 1, 1]], inner, chain[[-2, -1, -1]]]))
-            basis.append(np.concatenate([[_FIRST_HALF], np.tile(_SPLINE, (len(inner), 1, 1)), [_LAST_HALF]]))
+            basis.append(np.concatenate([[_FIRST_HALF], np.tile(SPLINE, (len(inner), 1, 1)), [_LAST_HALF]]))
         lengths.append(len(nodes[-1]))
         closed.append(is_closed)
     starts = np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64)

@@ -30,18 +30,25 @@ _GAUSS = 0.5 - 0.5 / np.sqrt(3.0)  # first of the two Gauss points of a piece
 
 
 @dataclass(frozen=True)
-class BodyInterface:
-    """One contact pair in one step: the master's arcs, and the points of the slave that may touch them."""
+class SurfaceInterface:
+    """Contact in one step: the arcs of a surface, and the points that may touch them."""
 
-    pair: ContactPair
     arcs: Arcs
     points: ContactPoints
 
     @property
     def couplings(self) -> tuple[IntArray, ...]:
         """Particles that each contact point may couple."""
-        arcs = self.arcs.nodes[self.points.candidates].reshape(len(self.points.particles), -1)
+        count, width = self.points.candidates.shape
+        arcs = self.arcs.nodes[self.points.candidates].reshape(count, 3 * width)
         return tuple(np.unique(each) for each in np.column_stack([self.points.particles, arcs]))
+
+
+@dataclass(frozen=True)
+class BodyInterface(SurfaceInterface):
+    """One contact pair in one step: the arcs are the master's, the points the slave's."""
+
+    pair: ContactPair
 
 
 def body_surface(problem: Problem, mesh: Mesh, parts: tuple[str, ...], smooth: bool) -> BodySurface:
@@ -102,7 +109,7 @@ def _search(problem: Problem, mesh: Mesh, motion: Array, pair: ContactPair) -> B
     at = np.einsum("kb,kbi->ki", shares, after.points[ends])
     # An edge is the point's own for the whole step: at a corner of the polygon it would otherwise chatter.
     candidates = after.nearest_arcs(at) if pair.smooth else after.foot(at).arc[:, None]
-    return BodyInterface(pair, arcs, ContactPoints(ends, shares, lengths, candidates))
+    return BodyInterface(arcs, ContactPoints.at_no_distance(ends, shares, lengths, candidates), pair)
 
 
 def _edge_points(surface: BodySurface, points: Array, edges: IntArray) -> tuple[Array, Array, IntArray]:
@@ -141,7 +148,7 @@ def _edge_points(surface: BodySurface, points: Array, edges: IntArray) -> tuple[
 
 
 def interface_contact(
-    interface: BodyInterface,
+    interface: SurfaceInterface,
     law: ContactLaw,
     positions: Array,
     displacement: Array,
@@ -150,10 +157,10 @@ def interface_contact(
     temperature: Array,
     flow_stress: Array,
 ) -> SurfaceContact:
-    """Contact of a pair with the particles at ``positions`` (n, 2), reached by ``displacement`` in ``step`` (s).
+    """Contact of an interface with the particles at ``positions`` (n, 2), reached by ``displacement`` in ``step`` (s).
 
-    ``law`` is the pair's, or a smoother one. ``velocity`` (n, 2), ``temperature`` and ``flow_stress`` (n,) are those of
-    the start of the step, which friction may depend on.
+    ``law`` is the interface's, or a smoother one. ``velocity`` (n, 2), ``temperature`` and ``flow_stress`` (n,) are
+    those of the start of the step, which friction may depend on.
     """
     points = interface.points
     # All candidates of a point move nearly alike.
@@ -176,22 +183,16 @@ def interface_contact(
     return surface_contact(interface.arcs, points, positions, displacement, step, law.penalty, friction)
 
 
-def spring_energy(problem: Problem, mesh: Mesh) -> float:
-    """Energy in the penalty springs between bodies (mJ/mm)."""
-    still = np.zeros_like(mesh.points)
+def spring_energy(interface: SurfaceInterface, penalty: float, points: Array) -> float:
+    """Energy in the penalty springs with the particles at ``points`` (n, 2) (mJ/mm)."""
 
     def none(pressure: Array, *_: Array | IntArray) -> tuple[Array, Array, Array]:
         zero = np.zeros_like(pressure)
         return zero, zero, zero
 
-    return sum(
-        float(
-            surface_contact(
-                each.arcs, each.points, mesh.points, still, 1.0, each.pair.law.penalty, none
-            ).energy.sum()
-        )
-        for each in contact_search(problem, mesh, still)
-    )
+    still = np.zeros_like(points)
+    found = surface_contact(interface.arcs, interface.points, points, still, 1.0, penalty, none)
+    return float(found.energy.sum())
 
 
 def heat_exchange(problem: Problem, contacts: Sequence[SurfaceContact], fixed: BoolArray) -> HeatExchange:

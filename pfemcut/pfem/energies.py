@@ -10,8 +10,9 @@ from pfemcut.contact.penalty import facing_lengths
 from pfemcut.materials.enthalpy import specific_enthalpy
 from pfemcut.materials.return_mapping import deviatoric_energy
 from pfemcut.pfem.bodies import densities, moduli, over_particles
-from pfemcut.pfem.body_contact import deformable_tools, spring_energy
+from pfemcut.pfem.body_contact import contact_search, deformable_tools, spring_energy
 from pfemcut.pfem.kinematics import element_mean, lumped
+from pfemcut.pfem.self_contact import self_contact_search
 from pfemcut.pfem.state import Fields
 from pfemcut.problem import Body, Problem
 
@@ -71,7 +72,15 @@ def contact_energy(problem: Problem, mesh: Mesh, time: float) -> float:
     """Energy stored in the penalty springs (mJ/mm)."""
     particles = np.unique(mesh.boundary.particles)
     positions = mesh.points[particles]
-    total = spring_energy(problem, mesh)
+    still = np.zeros_like(mesh.points)
+    total = sum(
+        spring_energy(each, each.pair.law.penalty, mesh.points)
+        for each in contact_search(problem, mesh, still)
+    )
+    total += sum(
+        spring_energy(each, each.rule.law.penalty, mesh.points)
+        for each in self_contact_search(problem, mesh, still)
+    )
     for tool in problem.rigid_tools:
         shape = tool.at(time)
         lengths = facing_lengths(shape, mesh.points, mesh.boundary.edges)[particles]

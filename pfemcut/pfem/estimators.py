@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from meshing.mesh import Mesh, signed_areas
 from meshing.remesh import SpacingFactors
-from meshing.sizes import SizeField
+from meshing.sizes import SpacingField
 from pfemcut.materials.return_mapping import tensor_norm
 from pfemcut.pfem.kinematics import element_mean, nodal_average, shape_gradients
 from pfemcut.pfem.state import Fields
@@ -34,7 +34,7 @@ _EQUILATERAL = 4.0 / np.sqrt(3.0)  # of side² over area
 
 
 def coarsening_factors(
-    problem: Problem, mesh: Mesh, fields: Fields, sizes: SizeField, sizes_shift: Array
+    problem: Problem, mesh: Mesh, fields: Fields, sizes: SpacingField, sizes_shift: Array
 ) -> SpacingFactors:
     """How many times the wished spacing the error estimator allows at each particle.
 
@@ -79,7 +79,7 @@ def relative_error(mesh: Mesh, values: Array) -> Array:
     return np.abs(element_mean(recovered, mesh.cells) - values) / scale
 
 
-def _approaching(points: Array, wished: Array, sizes: SizeField, way: Array) -> BoolArray:
+def _approaching(points: Array, wished: Array, sizes: SpacingField, way: Array) -> BoolArray:
     """Particles that moved into finer zones on their last ``way`` (n, 2) through the size field; (n,)."""
     return wished - sizes(points - way) < _APPROACH * np.hypot(*way.T)
 

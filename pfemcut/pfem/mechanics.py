@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from meshing.mesh import Mesh, signed_areas
 from pfemcut.contact.node_to_segment import SurfaceContact
-from pfemcut.contact.penalty import ContactForces, contact_forces, facing_lengths
 from pfemcut.fem.momentum_system import MomentumKernels, MomentumSystem, NodalForces
 from pfemcut.fem.partition import Partition
 from pfemcut.materials.material import Material
@@ -24,7 +23,6 @@ from pfemcut.materials.return_mapping import (
 )
 from pfemcut.materials.volumetric import volume_ratio_from_pressure
 from pfemcut.pfem.bodies import densities, moduli, over_cells, thermal_strains
-from pfemcut.pfem.body_contact import contact_search, interface_contact, nodal_forces, require_found
 from pfemcut.pfem.kinematics import (
     deformation_gradient,
     element_mean,
@@ -36,6 +34,7 @@ from pfemcut.pfem.loads import inertia_forces, load_forces, part_particles
 from pfemcut.pfem.newton import Linearisation, solve_momentum, solve_with_friction
 from pfemcut.pfem.stabilisation import modulus_ratio
 from pfemcut.pfem.state import Fields
+from pfemcut.pfem.step_contact import ContactResult, StepContact
 from pfemcut.problem import Body, Integrator, Problem, VolumetricHistory
 from pfemcut.timing import Stopwatch
 
@@ -46,14 +45,6 @@ BoolArray = NDArray[np.bool_]
 _ROOT_2_3 = np.sqrt(2.0 / 3.0)
 _ELASTIC_STRAIN = 1e-3  # gives a stress of that kind to a material that does not yield
 _NEGLIGIBLE_STRESS = 1e-3  # of the initial flow stress: scale of a force that counts before there is contact
-
-
-@dataclass(frozen=True)
-class ContactResult:
-    """Contact at the end of a step: candidate particles, and the forces on them."""
-
-    particles: IntArray
-    forces: ContactForces
 
 
 @dataclass(frozen=True)
@@ -72,6 +63,8 @@ class Motion:
         One entry for each rigid tool.
     body_contact
         One entry for each contact pair.
+    self_contact
+        One entry if bodies may touch themselves.
     volume_ratio
         J at the end of the step; (m,).
     trial
@@ -87,6 +80,7 @@ class Motion:
     reactions: Array
     contact: tuple[ContactResult, ...]
     body_contact: tuple[SurfaceContact, ...]
+    self_contact: tuple[SurfaceContact, ...]
     volume_ratio: Array
     trial: Trial
     multiplier: Array
@@ -189,21 +183,18 @@ def solve_motion(
     areas = signed_areas(mesh.points, cells)
     ratio = fields.volume_ratio
     temperature = element_mean(fields.temperature, cells)
-    candidates = np.unique(mesh.boundary.particles)
-    shapes = tuple(tool.at(start_time + step) for tool in problem.rigid_tools)
-    tools = tuple(
-        (tool, shape, facing_lengths(shape, mesh.points, mesh.boundary.edges)[candidates])
-        for tool, shape in zip(problem.rigid_tools, shapes, strict=True)
+    contact = StepContact.search(
+        problem,
+        mesh,
+        fields,
+        guess[:, :2],
+        start_time + step,
+        step,
+        last_step,
+        flow_stress=lambda: surface_flow_stress(problem, mesh, fields),
     )
-    interfaces = contact_search(problem, mesh, guess[:, :2])
-    laws = (problem.contact, *(pair.law for pair in problem.pairs))
-    frictionless = all(law.friction.frictionless for law in laws)
-    # Only friction asks for it.
-    nodal_flow_stress = np.zeros(count) if frictionless else surface_flow_stress(problem, mesh, fields)
-    flow_stress = nodal_flow_stress[candidates]
     # Lumped mass of the backward-Euler inertia term m (u / dt - v) / dt; zero in a quasi-static run.
     mass = lumped(areas * densities(problem, mesh) / ratio, cells, count) * float(problem.time.inertia)
-    velocity = fields.last_displacement / last_step
     softening = modulus_ratio(
         problem.stabilisation_modulus, fields.b_elastic, fields.eqps, fields.multiplier_rate
     )
@@ -222,43 +213,6 @@ def solve_motion(
             multiplier = extrapolated_multiplier(trial, fields.multiplier_rate, step)
         return trial, multiplier
 
-    def contacts(unknown: Array, smoothing: float = 1.0) -> tuple[ContactResult, ...]:
-        displacement = unknown[candidates, :2]
-        return tuple(
-            ContactResult(
-                candidates,
-                contact_forces(
-                    shape,
-                    problem.contact.smoothed(smoothing),
-                    mesh.points[candidates] + displacement,
-                    displacement - step * np.asarray(tool.velocity),
-                    lengths,
-                    step,
-                    np.hypot(*(velocity[candidates] - np.asarray(tool.velocity)).T),
-                    fields.temperature[candidates],
-                    flow_stress,
-                ),
-            )
-            for tool, shape, lengths in tools
-        )
-
-    def body_contacts(unknown: Array, smoothing: float = 1.0) -> tuple[SurfaceContact, ...]:
-        displacement = unknown[:, :2]
-        positions = mesh.points + displacement
-        return tuple(
-            interface_contact(
-                each,
-                each.pair.law.smoothed(smoothing),
-                positions,
-                displacement,
-                step,
-                velocity,
-                fields.temperature,
-                nodal_flow_stress,
-            )
-            for each in interfaces
-        )
-
     def linearise(unknown: Array, smoothing: float = 1.0) -> Linearisation:
         trial, multiplier = kinematics(unknown)
         element = np.column_stack(
@@ -275,10 +229,9 @@ def solve_motion(
         )
         nodal = NodalForces.sum(
             [
-                *_contact_forces(contacts(unknown, smoothing)),
-                *map(nodal_forces, body_contacts(unknown, smoothing)),
+                *contact.forces(unknown[:, :2], smoothing),
                 load_forces(problem, mesh, unknown[:, :2], start_time + step),
-                inertia_forces(unknown, mass, velocity, step),
+                inertia_forces(unknown, mass, contact.velocity, step),
             ]
         )
         return Linearisation(element, nodal, float(trial.jacobian.min()))
@@ -291,7 +244,7 @@ def solve_motion(
     settled = fields.pressure if incremental else np.zeros(count)
     size = np.sqrt(lumped(areas, cells, count))
     nodal_modulus = nodal_average(shear_modulus, areas, cells, count)
-    solve = solve_momentum if frictionless else solve_with_friction
+    solve = solve_momentum if contact.frictionless else solve_with_friction
     with MomentumSystem(
         kernels,
         partition,
@@ -302,9 +255,9 @@ def solve_motion(
         strain,
         settled,
         # Measured on cuts; a body that turns by degrees in a step needs the whole tangent.
-        symmetric=bool(problem.cut) and frictionless,
+        symmetric=bool(problem.cut) and contact.frictionless,
         watch=watch,
-        couplings=[group for each in interfaces for group in each.couplings],
+        couplings=contact.couplings,
     ) as system:
         solution = solve(
             system,
@@ -318,15 +271,15 @@ def solve_motion(
             problem.newton,
         )
     trial, multiplier = kinematics(solution.unknown)
-    body_contact = body_contacts(solution.unknown)
-    for interface, found in zip(interfaces, body_contact, strict=True):
-        require_found(interface, found, mesh.points + solution.unknown[:, :2])
+    displacement = solution.unknown[:, :2].copy()
+    contact.require_found(displacement)
     return Motion(
-        displacement=solution.unknown[:, :2].copy(),
+        displacement=displacement,
         pressure=solution.unknown[:, 2].copy(),
         reactions=np.where(fixed[:, :2], solution.reactions, 0.0),
-        contact=contacts(solution.unknown),
-        body_contact=body_contact,
+        contact=contact.with_tools(displacement),
+        body_contact=contact.between_bodies(displacement),
+        self_contact=contact.of_bodies_with_themselves(displacement),
         volume_ratio=trial.jacobian * ratio,
         trial=trial,
         multiplier=multiplier.value,
@@ -363,19 +316,6 @@ def implicit_multipliers(
         for body, cells in zip(problem.bodies, mesh.cell_ranges, strict=True)
     ]
     return parts[0] if len(parts) == 1 else Multiplier.joined(parts)
-
-
-def _contact_forces(contact: tuple[ContactResult, ...]) -> list[NodalForces]:
-    """Forces on the particles that touch a tool."""
-    parts = []
-    for each in contact:
-        touching = each.forces.normal_force > 0.0
-        parts.append(
-            NodalForces.local(
-                each.particles[touching], each.forces.forces[touching], each.forces.stiffness[touching]
-            )
-        )
-    return parts
 
 
 def update_plasticity(

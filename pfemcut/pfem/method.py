@@ -34,7 +34,7 @@ from pfemcut.tools.heat_block import HeatBlock, block_mesh
 
 Array = NDArray[np.float64]
 
-_NO_STEP = StepRecord(np.zeros(2), 0, 0, 0, 0, 0, 0.0, 0.0, np.zeros((0, 3)))
+_NO_STEP = StepRecord(np.zeros(2), 0.0, 0.0, 0, 0, 0, 0, 0, 0.0, 0.0, np.zeros((0, 3)))
 
 
 class PfemMethod:
@@ -161,6 +161,8 @@ class PfemMethod:
             "thermoelastic_work": ledger.thermoelastic,
             "contact_energy": ledger.contact,
             "remeshing_energy": ledger.remeshing,
+            "self_contact_length": record.self_contact_length,
+            "self_contact_force": record.self_contact_force,
             "boundary_work": ledger.boundary_work,
             "stabilisation_work": ledger.stabilisation,
             "heat_content": content,

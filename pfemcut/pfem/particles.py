@@ -7,10 +7,11 @@ from numpy.typing import NDArray
 
 from meshing.mesh import Mesh, signed_areas
 from meshing.remesh import RemeshMap, SpacingRules, remesh
-from meshing.sizes import SizeField
+from meshing.sizes import SizeField, SpacingField
 from pfemcut.contact.surface import Surface
 from pfemcut.pfem.estimators import coarsening_factors
 from pfemcut.pfem.loads import part_particles
+from pfemcut.pfem.self_contact import sizes_beside_contact
 from pfemcut.pfem.state import Clock, Fields
 from pfemcut.problem import ParticleControls, Problem
 
@@ -42,7 +43,7 @@ def remesh_particles(
         If the body overlaps itself.
     """
     controls = problem.particles
-    sizes = sizes_at(problem, clock.time)
+    sizes = sizes_beside_contact(problem, mesh, sizes_at(problem, clock.time))
     score = plastic_power_score(mesh, fields, controls)
     probes = np.isin(mesh.ids, probe_ids)
     locked = supported_particles(problem, mesh) | probes
@@ -119,7 +120,7 @@ def _removal_scale(mesh: Mesh, score: Array, controls: ParticleControls) -> Arra
 
 
 def _free_particles(
-    problem: Problem, mesh: Mesh, tools: tuple[Surface, ...], sizes: SizeField, locked: BoolArray
+    problem: Problem, mesh: Mesh, tools: tuple[Surface, ...], sizes: SpacingField, locked: BoolArray
 ) -> BoolArray:
     """Boundary particles away from tools and supports, which may shift to keep the area; shape (n,)."""
     free = np.zeros(len(mesh.points), dtype=bool)

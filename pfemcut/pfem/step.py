@@ -68,6 +68,8 @@ class StepRecord:
     ----------
     tool_force
         Force on the tool (N/mm); (2,).
+    self_contact_length, self_contact_force
+        Length over which bodies touch themselves (mm), and sum of the normal force there (N/mm).
     inserted, removed, changed, outside
         Particles inserted and removed, elements that changed, Gauss points outside the old mesh.
     newton_iterations
@@ -82,6 +84,8 @@ class StepRecord:
     """
 
     tool_force: Array
+    self_contact_length: float
+    self_contact_force: float
     inserted: int
     removed: int
     changed: int
@@ -149,6 +153,7 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
                 _heating_power(problem, motion, plastic, power, step),
                 motion.contact,
                 motion.body_contact,
+                motion.self_contact,
                 kernels.heat_blocks,
                 state.tool_temperature,
                 state.clock.time + step,
@@ -169,13 +174,14 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
             multiplier_rate=plastic.multiplier_rate,
             plastic_power=power,
         )
+        springs = energies.contact_energy(problem, mesh, state.clock.time)
         record, ledger = _record(
-            problem, state, mesh, fields, moved, motion, plastic, power, heating, remesh_map, step
+            problem, state, mesh, fields, moved, motion, plastic, power, heating, remesh_map, springs, step
         )
         ledger = ledger.plus(
             step_cuts=cuts,
             extrapolated_steps=int(cuts >= _STEADFAST),
-            **_remeshing_amounts(problem, state, mesh, fields, remesh_map),
+            **_remeshing_amounts(problem, state, mesh, fields, remesh_map, springs),
         )
     clock = Clock(
         step=state.clock.step + 1,
@@ -251,9 +257,13 @@ def _record(
     power: Array,
     heating: Heating,
     remesh_map: tuple[RemeshMap, ...],
+    springs: float,
     step: float,
 ) -> tuple[StepRecord, Ledger]:
-    """History record of the step, and the ledger with the step's work and heat."""
+    """History record of the step, and the ledger with the step's work and heat.
+
+    ``springs`` is the energy in the penalty springs at its start (mJ/mm).
+    """
     areas = signed_areas(moved.points, moved.cells)
     total_power = float(np.sum(power * areas))
     force = np.zeros(2)
@@ -265,7 +275,7 @@ def _record(
         work += 0.5 * float((on_body - state.last_tool_force) @ np.asarray(tool.velocity)) * step
         friction += float(result.forces.friction_power.sum()) * step
         spring += float(result.forces.energy.sum())
-    for found in motion.body_contact:
+    for found in (*motion.body_contact, *motion.self_contact):
         friction += float(found.friction_power.sum()) * step
         spring += float(found.energy.sum())
     for tool, particles in deformable_tools(problem, mesh):
@@ -285,7 +295,7 @@ def _record(
         plastic=total_power * step,
         friction=friction,
         thermoelastic=float(np.sum(pressure * warming * areas)),
-        contact=spring - energies.contact_energy(problem, mesh, state.clock.time),
+        contact=spring - springs,
         boundary_work=_boundary_work(problem, state, mesh, motion, reactions, step),
         stabilisation=_stabilisation_work(problem, mesh, fields, motion, pressure, warming, areas),
         heat_generated=heating.generated,
@@ -295,6 +305,8 @@ def _record(
     )
     record = StepRecord(
         tool_force=force,
+        self_contact_length=sum(float(each.lengths.sum()) for each in motion.self_contact),
+        self_contact_force=sum(float(each.normal_force.sum()) for each in motion.self_contact),
         inserted=sum(len(each.inserted_cells) for each in remesh_map),
         removed=sum(each.removed for each in remesh_map),
         changed=sum(int((~each.unchanged).sum()) for each in remesh_map),
@@ -360,17 +372,21 @@ def _boundary_work(
 
 
 def _remeshing_amounts(
-    problem: Problem, state: State, mesh: Mesh, fields: Fields, remesh_map: tuple[RemeshMap, ...]
+    problem: Problem,
+    state: State,
+    mesh: Mesh,
+    fields: Fields,
+    remesh_map: tuple[RemeshMap, ...],
+    springs: float,
 ) -> dict[str, float]:
-    """What the transfer changed: stored energy, penalty energy, heat content, area and counts."""
+    """What the transfer changed: stored energy, penalty energy (now ``springs``), heat content, area and counts."""
     if not remesh_map:
         return {}
     energy = energies.elastic_energy(problem, mesh, fields)
     heat = energies.heat_content(problem, mesh, fields)
-    spring = energies.contact_energy(problem, mesh, state.clock.time)
     return {
         "remeshing": energy
-        + spring
+        + springs
         - energies.elastic_energy(problem, state.mesh, state.fields)
         - energies.contact_energy(problem, state.mesh, state.clock.time),
         "heat_remeshing": heat - energies.heat_content(problem, state.mesh, state.fields),

@@ -20,7 +20,7 @@ from pfemcut.pfem.bodies import densities, over_cells, over_particles
 from pfemcut.pfem.body_contact import heat_exchange
 from pfemcut.pfem.kinematics import element_mean, lumped, tributary_lengths
 from pfemcut.pfem.loads import part_edges, part_particles
-from pfemcut.pfem.mechanics import ContactResult
+from pfemcut.pfem.step_contact import ContactResult
 from pfemcut.problem import MovingHeatBand, Problem
 from pfemcut.tools.heat_block import HeatBlock
 
@@ -70,6 +70,7 @@ def solve_heat(
     plastic_power: Array,
     contact: tuple[ContactResult, ...],
     body_contact: tuple[SurfaceContact, ...],
+    self_contact: tuple[SurfaceContact, ...],
     blocks: tuple[HeatBlock, ...],
     tool_temperature: Array,
     time: float,
@@ -93,7 +94,7 @@ def solve_heat(
         J at the end of the step; (m,).
     plastic_power
         Plastic power per current volume (mW/mm³); (m,).
-    contact, body_contact
+    contact, body_contact, self_contact
         Contact results, whose friction heats.
     blocks, tool_temperature
         The block of a conducting tool and its temperature at the start of the step (K), or none and empty.
@@ -116,6 +117,9 @@ def solve_heat(
         to_slave = pair.law.heat_partition
         share = np.where(found.shape > 0.0, to_slave, to_slave - 1.0)
         np.add.at(sources, found.particles, share * found.shape * found.friction_power[:, None])
+    for found in self_contact:
+        # Both sides are of one material.
+        np.add.at(sources, found.particles, 0.5 * np.abs(found.shape) * found.friction_power[:, None])
     touching = _touching(problem, contact)
     flux, exchange = _boundary_flux(problem, mesh, temperature, time)
 

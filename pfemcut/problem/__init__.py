@@ -40,6 +40,7 @@ from pfemcut.problem.problem import (
     MovingTool,
     Probe,
     Problem,
+    SelfContact,
 )
 
 __all__ = [
@@ -68,6 +69,7 @@ __all__ = [
     "Probe",
     "Problem",
     "Schedule",
+    "SelfContact",
     "StabilisationModulus",
     "TimeControls",
     "Traction",

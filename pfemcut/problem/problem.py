@@ -195,6 +195,25 @@ class ContactPair:
 
 
 @dataclass(frozen=True)
+class SelfContact:
+    """Contact of bodies with themselves.
+
+    Attributes
+    ----------
+    law
+        Law of this contact; its conductance is not used.
+    thickness
+        Distance at which surfaces touch (mm).
+    spacing
+        Largest wished spacing of particles where surfaces face each other (mm).
+    """
+
+    law: ContactLaw
+    thickness: float
+    spacing: float
+
+
+@dataclass(frozen=True)
 class Cut:
     """What derived figures of an orthogonal cut refer to.
 
@@ -243,6 +262,8 @@ class Problem:
         Other deforming bodies.
     pairs
         Contacts between bodies.
+    self_contact
+        How bodies touch themselves; none if that is not treated.
     """
 
     title: str
@@ -266,6 +287,7 @@ class Problem:
     stabilisation_modulus: StabilisationModulus = StabilisationModulus.ELASTIC
     others: tuple[Body, ...] = ()
     pairs: tuple[ContactPair, ...] = ()
+    self_contact: tuple[SelfContact, ...] = ()
 
     @property
     def bodies(self) -> tuple[Body, ...]:

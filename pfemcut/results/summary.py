@@ -212,6 +212,13 @@ def _warnings(
         found.append(
             f"in {share:.0%} of the window the chip was too short for the whole chip thickness range"
         )
+    force = columns.get("self_contact_force", np.zeros(0))
+    touching = np.flatnonzero(np.nan_to_num(force) > 0.0)
+    if touching.size:
+        found.append(
+            f"the body touches itself from travel {columns['travel'][touching[0]]:.3f} mm on, "
+            f"with up to {force[touching].max():.3g} N/mm (contact without heat conduction)"
+        )
     limits = {
         "energy_error": LARGEST_ENERGY_ERROR,
         "heat_error": LARGEST_HEAT_ERROR,

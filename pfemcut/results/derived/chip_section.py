@@ -97,14 +97,18 @@ def chip_section(frame: Frame, tool: RigidWedge, depth: float, reach: float = 2.
     )
     direction = chord / np.maximum(np.hypot(*chord.T), 1e-300)[:, None]
     normal = np.column_stack([-direction[:, 1], direction[:, 0]])
-    edges = loop_edges(frame.loops)
+    edges = loop_edges([surface])
     # The ray begins inside the chip, so that it doesn't leave through the roughness of the rake side.
     inside = 0.2 * depth
-    distance = inside + first_crossing(
+    beyond, crossed = first_crossing(
         rake_side + inside * normal, normal, points[edges[:, 0]], points[edges[:, 1]], outward=True
     )
+    distance = inside + beyond
     free_side = rake_side + np.where(np.isfinite(distance), distance, 0.0)[:, None] * normal
-    nearest = np.argmin(np.hypot(*(line[None, :, :] - free_side[:, None, :]).transpose(2, 0, 1)), axis=1)
+    # Not the nearest particle of all: where the chip touches the workpiece, that may be one of the workpiece.
+    ends = np.column_stack([crossed, (crossed + 1) % len(surface)])
+    apart = np.hypot(*(line[ends] - free_side[:, None, :]).transpose(2, 0, 1))
+    nearest = ends[np.arange(len(ends)), np.argmin(apart, axis=1)]
     # From a station round the chip's end to the free side abreast: twice the way to the end, and the end face.
     way_round = arc[nearest] - stations
     valid = (distance < THICKEST * depth) & (way_round > 2.0 * depth + distance)

@@ -18,8 +18,10 @@ def loop_edges(loops: Sequence[IntArray]) -> IntArray:
     return np.concatenate([np.column_stack([loop, np.roll(loop, -1)]) for loop in loops])
 
 
-def first_crossing(origins: Array, directions: Array, starts: Array, ends: Array, *, outward: bool) -> Array:
-    """Return the distance along each ray to the first edge that it crosses in the wished sense.
+def first_crossing(
+    origins: Array, directions: Array, starts: Array, ends: Array, *, outward: bool
+) -> tuple[Array, IntArray]:
+    """Return the distance along each ray to the first edge that it crosses in the wished sense, and that edge.
 
     The body lies on the left of an edge, so a ray enters it where it crosses an edge from right to left.
 
@@ -34,7 +36,7 @@ def first_crossing(origins: Array, directions: Array, starts: Array, ends: Array
 
     Returns
     -------
-    Distances; shape (r,); inf where the ray crosses no such edge.
+    Distances, inf where the ray crosses no such edge, and edges, arbitrary there; both (r,).
     """
     edge = ends - starts
     # origin + t direction = start + u edge, by Cramer's rule; shape (r, e).
@@ -47,7 +49,9 @@ def first_crossing(origins: Array, directions: Array, starts: Array, ends: Array
     u = _cross(to_start, directions[:, None, :]) / safe
     # Half-open, so that a ray through a shared end point meets one edge, not two or none.
     hit = wished & (u >= 0.0) & (u < 1.0) & (t > 0.0)
-    return np.where(hit, t, np.inf).min(axis=1, initial=np.inf)
+    distance = np.where(hit, t, np.inf)
+    edge_hit = np.argmin(distance, axis=1)
+    return distance[np.arange(len(distance)), edge_hit], edge_hit
 
 
 def _cross(a: Array, b: Array) -> Array:
