@@ -15,11 +15,7 @@ from pfemcut.case.sections import (
     Method,
     Output,
     Section,
-<<<<<<< HEAD
-=======
     SelfContact,
-    Solver,
->>>>>>> ef53808d1b058d5dfb7a98e3c04cdd4f5c2a73cf
     Spacing,
     Time,
     ToolHeat,
