@@ -2,8 +2,8 @@
 
     python demos/ti6al4v_ducobu/predict.py [-o DIR] [--resume | --overwrite] [--only NAME] [--conclude]
 
-One cut is repeated with a coarser mesh and with longer steps, from which the uncertainty of all follows, and with that
-coarser mesh it shows what each choice moves. It concludes from the runs that are there. README.md says what was assumed.
+One cut is repeated with a coarser mesh and with longer steps, from which the uncertainty of all follows. With that
+coarser mesh it shows what each choice moves. It concludes from the runs that are there; README.md says what is assumed.
 """
 
 from collections.abc import Sequence
@@ -16,10 +16,9 @@ from pfemcut.validation.prediction import (
     load_measurements,
     numerical_parts,
     predicted,
-    write_predictions,
-    write_sensitivities,
 )
-from pfemcut.validation.study import Outcome, Study, Variant, main
+from pfemcut.validation.prediction_tables import write_predictions, write_sensitivities
+from pfemcut.validation.study import Outcome, Study, Variant, finite, main
 
 FOLDER = Path(__file__).resolve().parent
 TIP_SIZE = 0.004  # mm
@@ -84,7 +83,7 @@ def conclude(outcomes: Sequence[Outcome], results: Path) -> tuple[dict[str, Any]
     runs = {outcome.variant.name: outcome for outcome in outcomes}
     figures = {name: predicted(outcome, BASE.depth) for name, outcome in runs.items()}
     parts = {
-        name: numerical_parts(figures[BASE.name], figures.get(other.name), ratio)
+        name: numerical_parts(figures.get(BASE.name), figures.get(other.name), ratio)
         for name, other, ratio in (("mesh", COARSE, RATIO), ("step", LONG, STEP_RATIO))
     }
     content = write_predictions(
@@ -95,14 +94,16 @@ def conclude(outcomes: Sequence[Outcome], results: Path) -> tuple[dict[str, Any]
         tuple(parts.values()),
         load_measurements(FOLDER / "measured.toml"),
     )
-    content |= {"relative_uncertainty": {name: part for name, part in parts.items() if part}}
+    content["relative_uncertainty"] = {
+        name: {figure: finite(value) for figure, value in part.items()} for name, part in parts.items()
+    }
     content |= write_sensitivities(
         results / "sensitivities.csv",
         "Ti6Al4V, 60 um, 30 m/min: what moves it",
         COARSE.name,
         [BASE.name, LONG.name, *(variant.name for variant in SENSITIVITIES)],
         runs,
-        BASE.depth,
+        BASE,
     )
     return content, not content["not_run"]
 
