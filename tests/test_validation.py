@@ -8,6 +8,7 @@ import platform
 import subprocess
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -99,6 +100,29 @@ def test_a_study_runs_all_variants_and_concludes_even_if_one_stops(
     stored = json.loads((tmp_path / "results" / "study.json").read_text(encoding="utf-8"))
     assert stored["forces"] == [1.0, 2.0]
     assert stored["runs"]["two"]["changes"] == ["time.step=1e-7"]
+
+
+def test_a_partial_study_concludes_from_the_runs_that_are_finished(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    travels: list[str] = []
+
+    def run(case_file: Path, directory: Path, overrides: Sequence[str], start: object) -> None:
+        travels.append(overrides[0])
+        fake_run(case_file, directory, overrides, start)
+
+    monkeypatch.setattr(study_module, "recorded_run", run)
+    seen: list[str] = []
+    study = make_study(tmp_path, seen)
+    variants = (study.variants[0], replace(study.variants[1], travel=0.7), Variant("three"))
+    study = replace(study, variants=variants, partial=True)
+    run_study(study, ["--only", "two", "--only", "one"])
+    unfinished = tmp_path / "out_study" / "three"
+    unfinished.mkdir()
+    (unfinished / "summary.json").write_text('{"finished": false}', encoding="utf-8")
+    assert run_study(study, ["--conclude"])
+    assert travels == ["cutting.travel=0.7", "cutting.travel=0.5"]
+    assert seen == ["one", "two"]
 
 
 def test_a_short_trial_of_a_study_leaves_the_recorded_results_alone(

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from pfemcut.inputs import InputError, nearest
 from pfemcut.method import RunStopped
+from pfemcut.output.directory import SUMMARY
 from pfemcut.output.tables import number_text, print_table, write_csv
 from pfemcut.ranks import Ranks
 from pfemcut.results.published import write_json
@@ -27,10 +28,21 @@ REDUCED_CASE = ROOT / "demos" / "aisi4340_demo" / "case.toml"
 
 @dataclass(frozen=True)
 class Variant:
-    """One run of a study: its name (also its folder) and what it changes in the case (``section.key=value``)."""
+    """One run of a study.
+
+    Attributes
+    ----------
+    name
+        Its name, also its folder.
+    changes
+        What it changes in the case (``section.key=value``).
+    travel
+        mm; the study's unless given.
+    """
 
     name: str
     changes: tuple[str, ...] = ()
+    travel: float | None = None
 
 
 @dataclass(frozen=True)
@@ -82,6 +94,8 @@ class Study:
         mm.
     case
         Case file that the variants change; the reduced cut of AISI 4340 unless given.
+    partial
+        Whether the runs that are finished are enough to conclude from; the others are then left out.
     """
 
     name: str
@@ -90,6 +104,7 @@ class Study:
     conclude: Callable[[Sequence[Outcome], Path], tuple[dict[str, Any], bool]]
     travel: float
     case: Path = REDUCED_CASE
+    partial: bool = False
 
 
 def main(study: Study) -> None:
@@ -115,14 +130,19 @@ def run_study(study: Study, arguments: Sequence[str]) -> bool:
     options = options_parser.parse_args(arguments)
     start, output = start_of(options), options.output
     wanted = _wanted(study, options.only)
-    travel = study.travel if options.travel is None else options.travel
     for variant in () if options.conclude else wanted:
+        planned = study.travel if variant.travel is None else variant.travel
+        travel = planned if options.travel is None else options.travel
         _run(study.case, variant, output / variant.name, travel, start)
     if options.only:
         return True
 
     def conclude() -> bool:
-        outcomes = [_outcome(variant, output / variant.name) for variant in study.variants]
+        outcomes = [
+            _outcome(variant, output / variant.name)
+            for variant in study.variants
+            if not study.partial or _finished(output / variant.name)
+        ]
         results = study.folder / "results" if options.travel is None else output / "results"
         results.mkdir(parents=True, exist_ok=True)
         content, shown = study.conclude(outcomes, results)
@@ -203,6 +223,10 @@ def _run(case: Path, variant: Variant, directory: Path, travel: float, start: St
             raise
         if Ranks().first:
             print(f"{variant.name}: run stopped: {stopped}", flush=True)
+
+
+def _finished(directory: Path) -> bool:
+    return (directory / SUMMARY).exists() and bool(read_summary(directory)["finished"])
 
 
 def _outcome(variant: Variant, directory: Path) -> Outcome:
