@@ -73,11 +73,16 @@ def places(outline: Array, found: FacingPoints) -> Array:
 @given(seed=st.integers(0, 1000), gap=st.floats(0.005, 0.035))
 @settings(max_examples=30, deadline=None)
 def test_walls_of_a_slit_face_each_other(seed: int, gap: float) -> None:
-    """At the width of the slit, and away from its ends all along; the weights add up to its length."""
+    """At the width of the slit, and away from its ends all along; the weights add up to its length.
+
+    Beside the root the nearest point may be too near along the boundary: then it faces one a little farther off.
+    """
     outline = divided(jaws(gap), SPACING, seed)
     found = search(outline)
     at = places(outline, found)
-    np.testing.assert_allclose(found.distance, gap, rtol=1e-12)
+    beside_root = at[:, 0] < 0.3 + SPACING
+    np.testing.assert_allclose(found.distance[~beside_root], gap, rtol=1e-12)
+    assert np.all(found.distance > gap * (1.0 - 1e-12))
     np.testing.assert_allclose(np.abs(at[:, 1] - 0.5), 0.5 * gap, rtol=1e-9)
     for side in (-1.0, 1.0):
         x = at[side * (at[:, 1] - 0.5) > 0.0, 0]
