@@ -1,6 +1,12 @@
 """Settings of all tests."""
 
+import signal
+
 from hypothesis import settings
+
+# A shell that starts the tests in the background leaves SIGINT ignored, which runs and their children then respect.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # A first example may compile kernels, and the machine may be busy: times are the benchmarks' business.
 settings.register_profile("untimed", deadline=None)

@@ -195,18 +195,12 @@ def test_a_signal_finishes_the_step_and_leaves_a_checkpoint(tmp_path: Path, numb
 
 
 def test_a_second_signal_kills(tmp_path: Path) -> None:
-    # A shell that starts the tests in the background leaves SIGINT ignored, which a run then rightly respects.
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-
     def twice() -> None:
         os.kill(os.getpid(), signal.SIGINT)
         os.kill(os.getpid(), signal.SIGINT)
 
-    try:
-        with pytest.raises(KeyboardInterrupt):
-            run(tmp_path, events={3: twice})
-    finally:
-        signal.signal(signal.SIGINT, before)
+    with pytest.raises(KeyboardInterrupt):
+        run(tmp_path, events={3: twice})
 
 
 def test_a_run_that_cannot_go_on_keeps_outputs_and_checkpoint_and_says_why(tmp_path: Path) -> None:
