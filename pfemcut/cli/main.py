@@ -16,6 +16,7 @@ import typer
 
 from pfemcut.case.check import figures, warnings
 from pfemcut.case.load import AnyCase, load_case
+from pfemcut.cli.compare import compare
 from pfemcut.cli.speech import complain, say
 from pfemcut.cli.sweep import sweep
 from pfemcut.cli.table import result_lines
@@ -119,6 +120,7 @@ def run(
 
 
 app.command()(sweep)
+app.command()(compare)
 
 
 @app.command()

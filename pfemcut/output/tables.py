@@ -27,11 +27,11 @@ def write_csv(path: Path, header: Sequence[str], rows: Sequence[Sequence[object]
     os.replace(temporary, path)
 
 
-def print_table(title: str, header: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-    """Print a table."""
+def print_table(title: str, header: Sequence[str], rows: Sequence[Sequence[str]], texts: int = 0) -> None:
+    """Print a table, the first ``texts`` columns aligned to the left."""
     table = Table(title=title, title_justify="left", box=SIMPLE_HEAD)
-    for name in header:
-        table.add_column(name, justify="right")
+    for index, name in enumerate(header):
+        table.add_column(name, justify="left" if index < texts else "right")
     for row in rows:
         table.add_row(*row)
     console = Console()
