@@ -17,6 +17,7 @@ import typer
 from pfemcut.case.check import figures, warnings
 from pfemcut.case.load import AnyCase, load_case
 from pfemcut.cli.compare import compare
+from pfemcut.cli.converge import converge
 from pfemcut.cli.speech import complain, say
 from pfemcut.cli.sweep import sweep
 from pfemcut.cli.table import result_lines
@@ -121,6 +122,7 @@ def run(
 
 app.command()(sweep)
 app.command()(compare)
+app.command()(converge)
 
 
 @app.command()

@@ -31,14 +31,14 @@ class Verdict(Enum):
 
 @dataclass(frozen=True)
 class Difference:
-    r"""Of a figure from the reference's.
+    """Of a figure from the reference's.
 
     Attributes
     ----------
     relative
-        (value − reference) / \|reference\|; nan where the reference is zero.
+        (value − reference) / |reference|; nan where the reference is zero.
     deviations
-        \|value − reference\| over the root of the sum of both squared spreads; nan where neither has a spread, and
+        |value − reference| over the root of the sum of both squared spreads; nan where neither has a spread, and
         against a tolerance.
     verdict
         What follows.

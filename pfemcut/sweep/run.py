@@ -55,6 +55,14 @@ def run_sweep(plan: Plan, jobs: int, *, overwrite: bool, say: Say) -> None:
     SweepStopped
         At the end, if a variant did not finish, or after a signal.
     """
+    _conclude(plan, outcomes_of(run_variants(plan, jobs, overwrite=overwrite, say=say)), say)
+
+
+def run_variants(plan: Plan, jobs: int, *, overwrite: bool, say: Say) -> tuple[Prepared, ...]:
+    """Run what is not finished, without table and plot; parameters and errors as of :func:`run_sweep`.
+
+    A variant that did not finish raises nothing here: see :func:`require_finished`.
+    """
     if any(name in os.environ for name in LAUNCHERS):
         raise InputError(["a sweep starts its own processes: call it without mpirun, or with --index"])
     variants = prepared(plan)
@@ -73,7 +81,15 @@ def run_sweep(plan: Plan, jobs: int, *, overwrite: bool, say: Say) -> None:
     if todo:
         took = duration(time.monotonic() - begun)
         say(f"ran {len(todo)} variants in {took}, {min(jobs, len(todo))} at a time")
-    _conclude(plan, outcomes_of(variants), say)
+    return variants
+
+
+def require_finished(outcomes: Sequence[Outcome]) -> None:
+    """Raise :class:`SweepStopped`, with their names, if some did not finish."""
+    missing = [each for each in outcomes if not each.finished]
+    if missing:
+        texts = [f"{each.variant.name} {each.status}" for each in missing]
+        raise SweepStopped(f"{len(missing)} of {len(outcomes)} variants did not finish: {', '.join(texts)}")
 
 
 def listed(variants: Sequence[Prepared]) -> list[str]:
@@ -169,7 +185,4 @@ def _conclude(plan: Plan, outcomes: Sequence[Outcome], say: Say) -> None:
     print_results(plan, outcomes)
     for path in (plan.output / CSV, plan.output / JSON, *plots):
         say(str(path))
-    missing = [each for each in outcomes if not each.finished]
-    if missing:
-        texts = [f"{each.variant.name} {each.status}" for each in missing]
-        raise SweepStopped(f"{len(missing)} of {len(outcomes)} variants did not finish: {', '.join(texts)}")
+    require_finished(outcomes)
