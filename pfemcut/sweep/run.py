@@ -63,25 +63,42 @@ def run_variants(plan: Plan, jobs: int, *, overwrite: bool, say: Say) -> tuple[P
 
     A variant that did not finish raises nothing here: see :func:`require_finished`.
     """
-    if any(name in os.environ for name in LAUNCHERS):
-        raise InputError(["a sweep starts its own processes: call it without mpirun, or with --index"])
+    require_no_launcher()
     variants = prepared(plan)
     if not overwrite:
         require_unchanged(variants)
-    before = states(variants)
-    _say_state(plan, variants, before, say)
-    todo = [each for each, state in zip(variants, before, strict=True) if state is not State.FINISHED]
+    _say_state(plan, variants, states(variants), say)
     begun = time.monotonic()
+    ran = run_unfinished(variants, jobs, overwrite=overwrite)
+    if ran:
+        took = duration(time.monotonic() - begun)
+        say(f"ran {ran} variants in {took}, {min(jobs, ran)} at a time")
+    return variants
+
+
+def require_no_launcher() -> None:
+    """Raise :class:`InputError` under mpirun, whose ranks would each start the processes of a study."""
+    if any(name in os.environ for name in LAUNCHERS):
+        raise InputError(["a sweep starts its own processes: call it without mpirun, or with --index"])
+
+
+def run_unfinished(variants: Sequence[Prepared], jobs: int, *, overwrite: bool) -> int:
+    """Run what is not finished, a few variants at a time; how many were run.
+
+    Raises
+    ------
+    SweepStopped
+        After a signal.
+    """
+    before = states(variants)
+    todo = [each for each, state in zip(variants, before, strict=True) if state is not State.FINISHED]
     ended = _run_all(todo, min(jobs, len(todo)), overwrite=overwrite)
     if ended.signal:
         name, finished = signal.Signals(ended.signal).name, states(variants).count(State.FINISHED)
         raise SweepStopped(
             f"stopped by {name}, {finished} of {len(variants)} variants finished; the same command goes on"
         )
-    if todo:
-        took = duration(time.monotonic() - begun)
-        say(f"ran {len(todo)} variants in {took}, {min(jobs, len(todo))} at a time")
-    return variants
+    return len(todo)
 
 
 def require_finished(outcomes: Sequence[Outcome]) -> None:
