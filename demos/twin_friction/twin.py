@@ -2,8 +2,8 @@
 
     python demos/twin_friction/twin.py [-o DIR] [--resume | --overwrite] [-j N]
 
-Two cuts are computed with friction 0.3, and their figures written as measurements with an uncertainty of 2 %. The
-calibration begins at 0.1, that of case.toml. It must come back to 0.3 within its interval.
+A cut is computed with friction 0.3, and its figures written as measurements with an uncertainty of 2 %. The calibration
+begins at 0.1, that of case.toml. It must come back to 0.3 within its interval.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from pathlib import Path
 from pfemcut.calibrate.cuts import RUNS
 from pfemcut.calibrate.fit import Controls
 from pfemcut.calibrate.study import JSON, PNG, TABLE, planned, run_calibration
+from pfemcut.cli.speech import say
 from pfemcut.output.tables import write_csv
 from pfemcut.results.published import KNOWN
 from pfemcut.sweep.plan import Plan, Variant
@@ -26,7 +27,7 @@ from pfemcut.validation.small_files import copy_picture
 FOLDER = Path(__file__).resolve().parent
 TRUE = 0.3
 UNCERTAINTY = 0.02
-DEPTHS = (0.1, 0.14)
+DEPTHS = (0.1,)
 FIGURES = ("cutting_force", "thrust_force", "contact_length")
 BOUNDS = "contact.friction=0.05:0.6"
 
@@ -37,7 +38,7 @@ def measure(output: Path, jobs: int, *, overwrite: bool) -> Path:
         Variant(f"depth={depth:g}", {"contact.friction": TRUE, "cutting.depth": depth}) for depth in DEPTHS
     )
     plan = Plan(FOLDER / "case.toml", output / "truth", {}, variants, FIGURES)
-    outcomes = outcomes_of(run_variants(plan, jobs, overwrite=overwrite, say=print))
+    outcomes = outcomes_of(run_variants(plan, jobs, overwrite=overwrite, say=say))
     require_finished(outcomes)
     rows = []
     for depth, outcome in zip(DEPTHS, outcomes, strict=True):
@@ -67,7 +68,7 @@ def work(arguments: Sequence[str]) -> bool:
         uncertainty=None,
         controls=Controls(),
     )
-    found = run_calibration(study, options.jobs, overwrite=overwrite, say=print)
+    found = run_calibration(study, options.jobs, overwrite=overwrite, say=say)
     results = FOLDER / "results"
     results.mkdir(exist_ok=True)
     for name in ("measured.csv", TABLE, JSON, "evaluations.csv"):

@@ -1,10 +1,10 @@
 """How well a fit knows its parameters: intervals, correlations, and which can't be told apart.
 
 With the Jacobian J of the weighted residuals at the fit, and P = (JᵀJ)⁻¹Jᵀ, the covariance of the parameters is
-P (I + N) Pᵀ: I stands for the measured figures, which have unit variance after weighting, N for the noise of the computed
-ones over the window (its standard deviation is an upper bound of that of the mean). If the misfit is larger than both explain
-(chi-squared test at 5 %), the covariance is scaled by the misfit per degree of freedom, and intervals take Student's t
-instead of the normal distribution (Seber and Wild 1989, Nonlinear Regression, sections 2.1.2 and 5.1).
+P (I + N) Pᵀ: I stands for the measured figures, which have unit variance after weighting, N for the noise of the
+computed ones over the window (its standard deviation is an upper bound of that of the mean). If the misfit is larger
+than both explain (chi-squared test at 5 %), the covariance is scaled by the misfit per degree of freedom, and intervals
+take Student's t instead of the normal distribution (Seber and Wild 1989, Nonlinear Regression, chapters 2 and 5).
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ IMPLAUSIBLE = 0.05
 LARGEST_CORRELATION = 0.95
 LARGEST_CONDITION = 30.0
 """Of the Jacobian with columns of unit length; above, columns are strongly collinear (Belsley, Kuh, Welsch 1980)."""
-AT_BOUND = 1e-3
+AT_BOUND = 0.01
 """Part of the range that a parameter is away from its bound, at most, to be called at the bound."""
 _SINGULAR = 1e-10
 
@@ -192,8 +192,9 @@ def _loose(estimates: Sequence[Estimate], jacobian: Array, noise: Array, differe
         parameter, width = each.parameter, each.parameter.high - each.parameter.low
         position = parameter.scaled(each.value)
         if min(position, 1.0 - position) < AT_BOUND:
+            bound = parameter.low if position < 0.5 else parameter.high
             found.append(
-                f"{parameter.key} ended at its bound {each.value:g}: its interval means little; widen the bounds if "
+                f"{parameter.key} ended at its bound {bound:g}: its interval means little; widen the bounds if "
                 "they are no physical limits"
             )
         if not each.high - each.low < width:

@@ -136,7 +136,7 @@ def _from_file(path: Path) -> list[Parameter]:
             name = f"{prefix}{key}"
             if not isinstance(value, Mapping):
                 problems.append(f"{path}: {name}: given {value!r}, must be a table with low and high")
-            elif value and all(isinstance(inner, Mapping) for inner in value.values()):
+            elif not Bounds.model_fields.keys() & value.keys():
                 visit(value, f"{name}.")
             else:
                 try:
