@@ -34,6 +34,8 @@ class Computed:
     deviations: Array
 
 
+_SHIFT = 1.0
+
 Evaluate = Callable[[Sequence[tuple[float, ...]]], Sequence[Computed]]
 """From points (a value for each parameter) to figures; asked for each point once."""
 
@@ -171,18 +173,20 @@ def fitted(
     start = np.array([each.scaled(each.start) for each in parameters])
     if not np.isfinite(residuals(start)).all():
         raise NotComputed(point_at(start))
+    # From 1 to 2 instead of 0 to 1: the first step may be as long as the variables, so that a start near the lower
+    # bound would creep.
     found = least_squares(
-        residuals,
-        start,
-        jac=jacobian,
-        bounds=(0.0, 1.0),
+        lambda shifted: residuals(shifted - _SHIFT),
+        start + _SHIFT,
+        jac=lambda shifted: jacobian(shifted - _SHIFT),
+        bounds=(_SHIFT, 1.0 + _SHIFT),
         method="trf",
         xtol=controls.tolerance,
         ftol=controls.tolerance**2,
         gtol=1e-12,
         max_nfev=controls.most_steps,
     )
-    point = point_at(found.x)
+    point = point_at(found.x - _SHIFT)
     (computed,) = remembered([point])
     ending = {
         0: f"stopped after {controls.most_steps} steps, before it converged",

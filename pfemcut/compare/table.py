@@ -202,8 +202,16 @@ def markdown(comparison: Comparison) -> str:
 
 def notes_of(comparison: Comparison) -> list[str]:
     """What the spreads mean, and what must be known of the sources."""
-    kinds = dict.fromkeys(source.kind for source in comparison.sources)
-    notes = [f"± of a {kind.name.lower()} figure: {kind.value}" for kind in kinds if kind is not Kind.RUN]
+    kinds = {
+        source.kind
+        for source in comparison.sources
+        if any(math.isfinite(entry.spread) for entry in source.entries.values())
+    }
+    notes = [
+        f"± of a {kind.name.lower()} figure: {kind.value}"
+        for kind in (Kind.PUBLISHED, Kind.MEASURED)
+        if kind in kinds
+    ]
     if Kind.RUN in kinds:
         notes.insert(0, f"± of a run: {Kind.RUN.value}; std: root of the sum of both squares")
     notes += [f"{source.label}: {text}" for source in comparison.sources for text in source.notes]
