@@ -225,7 +225,7 @@ MEASURED = (
 )
 
 
-def pool_of(model: Callable[[float, float], tuple[float, float]], left: list[int]) -> Callable[..., Ended]:
+def pool_of(model: Callable[..., tuple[float, float]], left: list[int]) -> Callable[..., Ended]:
     """A pool whose processes write what a run leaves; it is stopped by a signal after ``left[0]`` of them."""
 
     def run(commands: Sequence[Command], jobs: int, watcher: Watcher) -> Ended:
@@ -239,7 +239,8 @@ def pool_of(model: Callable[[float, float], tuple[float, float]], left: list[int
             directory = variant.directory
             directory.mkdir(parents=True)
             (directory / "inputs.resolved.toml").write_text(resolved_toml(variant.case, variant.material))
-            cutting, thrust = model(variant.case.contact.friction, variant.case.cutting.speed)
+            contact, speed = variant.case.contact, variant.case.cutting.speed
+            cutting, thrust = model(contact.friction, speed, contact.heat_partition)
             content = {
                 "finished": True,
                 "ending": "done",
@@ -256,7 +257,7 @@ def pool_of(model: Callable[[float, float], tuple[float, float]], left: list[int
     return run
 
 
-def forces(friction: float, speed: float) -> tuple[float, float]:
+def forces(friction: float, speed: float, _: float) -> tuple[float, float]:
     return 120.0 + 100.0 * friction - 0.01 * (speed - 1000.0), 200.0 * friction
 
 
@@ -292,6 +293,37 @@ def test_a_calibration_that_is_interrupted_goes_on_to_the_same_end(
     assert again["figures"] == whole["figures"]
     for name in ("calibration.csv", "calibration.png", "evaluations.csv"):
         assert (tmp_path / "parts" / name).stat().st_size > 0
+
+
+def test_two_parameters_and_two_cuts_are_told_apart_point_by_point(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Friction and heat partition by forces that depend on both, at two speeds: all points of a derivative at once."""
+
+    def coupled(friction: float, speed: float, share: float) -> tuple[float, float]:
+        return 120.0 + 100.0 * friction + 20.0 * share, 200.0 * friction + 0.04 * speed * share
+
+    measured = [("cutting_force", 1000), ("thrust_force", 1000), ("thrust_force", 2000)]
+    values = [coupled(0.3, speed, 0.7)[name == "thrust_force"] for name, speed in measured]
+    text = "figure,value,uncertainty,unit,cutting.speed\n" + "".join(
+        f"{name},{value},2,N/mm,{speed}\n" for (name, speed), value in zip(measured, values, strict=True)
+    )
+    monkeypatch.setattr(run_module, "run_pool", pool_of(coupled, [1000]))
+    command = [
+        "calibrate",
+        str(case_in(tmp_path)),
+        str(measured_in(tmp_path, text)),
+        "-o",
+        str(tmp_path / "out"),
+    ]
+    fits = ["contact.friction=0.05:0.6", "contact.heat_partition=0.1:0.9"]
+    assert status([*command, "--fit", ",".join(fits)]) == 0
+    content = json.loads((tmp_path / "out" / "calibration.json").read_text(encoding="utf-8"))
+    assert [each["value"] for each in content["parameters"]] == pytest.approx([0.3, 0.7], abs=2e-3)
+    # Of the forces' derivatives, by hand: (100, 200, 200) and (20, 40, 80), over 2 and times the ranges.
+    wanted = np.array([[100.0, 20.0], [200.0, 40.0], [200.0, 80.0]]) / 2.0 * [0.55, 0.8]
+    assert np.array(content["jacobian"]) == pytest.approx(wanted, rel=1e-4)
+    assert content["correlation"]["contact.friction"]["contact.heat_partition"] < -0.8
 
 
 def test_finished_runs_of_another_case_are_not_taken(

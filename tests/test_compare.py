@@ -196,6 +196,20 @@ def test_table_and_picture_are_written_and_look_as_they_should(tmp_path: Path) -
     assert [bar.get_height() for bar in bars.patches] == [100.0, 110.0]
 
 
+def test_names_that_look_like_markup_or_formulas_are_shown_as_they_are(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    one, two = (
+        run_in(tmp_path / "[red]a", cutting_force=FORCE),
+        run_in(tmp_path / "_b$c$", cutting_force=OTHER),
+    )
+    assert status(["compare", str(one), str(two), "-o", str(tmp_path / "out.png")]) == 0
+    out = capsys.readouterr().out
+    assert "[red]a" in out and "_b$c$" in out
+    (legend,) = draw(compared(read_sources([one, two]), 0, ["cutting_force"])).legends
+    assert [text.get_text() for text in legend.get_texts()] == ["[red]a", "\u200b_b\\$c\\$"]
+
+
 def test_difference_texts() -> None:
     assert difference_text(None) == "–"
     assert difference_text(Difference(0.01234, 500.0, Verdict.SIGNIFICANT)) == "+1.2 %, > 100 std: differs"
@@ -242,7 +256,13 @@ def test_bad_command_lines_are_named(tmp_path: Path, capsys: pytest.CaptureFixtu
     broken = run_in(tmp_path / "broken")
     (broken / "summary.json").write_text('{"cutting_force": ', encoding="utf-8")
     (tmp_path / "empty").mkdir()
+    binary = run_in(tmp_path / "binary", cutting_force=FORCE)
+    (binary / "history.csv").write_bytes(b"travel,cutting_force\n\xff\xfe\n")
+    headless = run_in(tmp_path / "headless")
+    (headless / "summary.json").unlink()
     for options, words in (
+        ([run, binary], "can't be read"),
+        ([run, headless], "no results here"),
         ([run], "at least two"),
         ([run, run], "is given twice"),
         ([run, tmp_path / "nowhere"], "no such file or folder"),

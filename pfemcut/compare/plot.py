@@ -50,7 +50,7 @@ def draw(comparison: Comparison) -> Figure:
         at = index // columns + (1 if curves else 0)
         _draw_bars(figure.add_subplot(grid[at, index % columns]), row, sources, colours)
     handles = [
-        Line2D([], [], color=colour, linewidth=5, label=source.label)
+        Line2D([], [], color=colour, linewidth=5, label=plain(source.label))
         for source, colour in zip(sources, colours, strict=True)
     ]
     figure.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), 4), fontsize="small")
@@ -107,6 +107,11 @@ def _draw_bars(axes: Axes, row: Row, sources: Sequence[Source], colours: Sequenc
     axes.tick_params(labelsize="small")
     axes.grid(axis="y", alpha=0.3)
     axes.set_axisbelow(True)
+
+
+def plain(text: str) -> str:
+    """``text`` as it stands, for matplotlib: no formula between dollars, and in a legend though it begins with _."""
+    return ("\u200b" if text.startswith("_") else "") + text.replace("$", r"\$")
 
 
 def _colours(count: int) -> list[Any]:

@@ -10,10 +10,12 @@ from enum import Enum
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from pfemcut.inputs import InputError, read_toml
 from pfemcut.output.directory import HISTORY, INPUTS, SUMMARY
 from pfemcut.results.history import HistoryError, read_table
-from pfemcut.results.measured import FORCES, TRAVEL, Curve, cuts_of, load_measured
+from pfemcut.results.measured import FORCES, TRAVEL, Array, Curve, cuts_of, load_measured
 from pfemcut.results.published import KNOWN, load_published
 from pfemcut.results.summary import summarise
 
@@ -21,6 +23,9 @@ TELLS_NOTHING = ("results", "out")
 """Folders that are called after the one that they are in."""
 SKIPPED = ("steady", "steps", "wall_time")
 """Figures of the run rather than of the cut."""
+NEEDED = {"step", TRAVEL, "cutting_force"}
+"""Columns without which a history has no figures."""
+_NO_ROWS = np.zeros(0)
 
 
 class Kind(Enum):
@@ -84,8 +89,6 @@ def read_sources(paths: Sequence[Path]) -> tuple[Source, ...]:
             sources.append(replace(_source(path, first_run), label=label))
         except InputError as error:
             problems += error.problems
-        except HistoryError as error:
-            problems.append(str(error))
     if not problems:
         problems = _unit_problems(sources)
     if problems:
@@ -132,21 +135,29 @@ def _source(path: Path, first_run: Path | None) -> Source:
 
 
 def _run(directory: Path) -> Source:
-    history = directory / HISTORY
-    columns = read_table(history) if history.is_file() else {}
+    columns = _columns(directory / HISTORY)
     forces = {name: columns[name] for name in FORCES if name in columns}
-    curve = Curve(columns[TRAVEL], forces) if forces and columns[TRAVEL].size else None
+    curve = Curve(columns[TRAVEL], forces) if forces and columns.get(TRAVEL, _NO_ROWS).size else None
     path = directory / SUMMARY
     if path.is_file():
         content = _json(path)
         notes = [] if content.get("finished", True) else [str(content.get("ending", "not finished"))]
-        notes += [str(text) for text in content.get("warnings", ())]
-    elif curve is not None:
+        notes += [str(text) for text in content.get("warnings") or ()]
+    elif curve is not None and columns.keys() >= NEEDED:
         unfinished = summarise(columns, {}, title="", finished=False, ending="")
         content, notes = unfinished.to_json(), ["has no summary: means of what its history has so far"]
     else:
         raise InputError([f"{directory}: no results here ({SUMMARY} and {HISTORY} are missing or empty)"])
     return Source("", Kind.RUN, _entries(path, content), curve, tuple(notes))
+
+
+def _columns(history: Path) -> dict[str, Array]:
+    try:
+        return read_table(history) if history.is_file() else {}
+    except HistoryError as error:
+        raise InputError([str(error)]) from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError([f"{history}: can't be read: {error}"]) from None
 
 
 def _json(path: Path) -> dict[str, Any]:

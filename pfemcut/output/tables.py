@@ -10,6 +10,7 @@ from pathlib import Path
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 LOG_WIDTH = 160
@@ -29,11 +30,12 @@ def write_csv(path: Path, header: Sequence[str], rows: Sequence[Sequence[object]
 
 def print_table(title: str, header: Sequence[str], rows: Sequence[Sequence[str]], texts: int = 0) -> None:
     """Print a table, the first ``texts`` columns aligned to the left."""
-    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD)
+    # Names that users chose may look like markup.
+    table = Table(title=escape(title), title_justify="left", box=SIMPLE_HEAD)
     for index, name in enumerate(header):
-        table.add_column(name, justify="left" if index < texts else "right")
+        table.add_column(escape(name), justify="left" if index < texts else "right")
     for row in rows:
-        table.add_row(*row)
+        table.add_row(*map(escape, row))
     console = Console()
     if not console.is_terminal:
         console = Console(width=LOG_WIDTH)

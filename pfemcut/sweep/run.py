@@ -79,7 +79,11 @@ def run_variants(plan: Plan, jobs: int, *, overwrite: bool, say: Say) -> tuple[P
 def require_no_launcher() -> None:
     """Raise :class:`InputError` under mpirun, whose ranks would each start the processes of a study."""
     if any(name in os.environ for name in LAUNCHERS):
-        raise InputError(["a sweep starts its own processes: call it without mpirun, or with --index"])
+        raise InputError(
+            [
+                "a study starts its own processes: call it without mpirun (or one variant of a sweep with --index)"
+            ]
+        )
 
 
 def run_unfinished(variants: Sequence[Prepared], jobs: int, *, overwrite: bool) -> int:
