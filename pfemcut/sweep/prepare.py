@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from pfemcut.case.check import warnings
-from pfemcut.case.load import AnyCase, CaseError, replaced, resolved_toml, validated
+from pfemcut.case.load import AnyCase, CaseError, directed, replaced, resolved_toml, validated
 from pfemcut.case.schema import Case
 from pfemcut.case.translate import problem_of
 from pfemcut.inputs import InputError, UserError, read_toml
@@ -85,9 +85,7 @@ def prepared(plan: Plan) -> tuple[Prepared, ...]:
             table = replaced(table, key.split("."), value, f"given '{key}'")
         directory = plan.output / variant.name
         case, material = validated(table, folder)
-        case = case.model_copy(
-            update={"output": case.output.model_copy(update={"directory": str(directory)})}
-        )
+        case = directed(case, directory)
         problem_of(case, material, folder)
         resolved = tomllib.loads(resolved_toml(case, material))
         parameters = {
