@@ -201,16 +201,11 @@ def _arc_coordinates(boundary: Boundary, length: Array) -> Array:
     return total[:-1] - np.repeat(total[boundary.starts[:-1]], sizes)
 
 
-def _loops(boundary: Boundary) -> IntArray:
-    """Number of the loop of each entry; shape (b,)."""
-    return np.repeat(np.arange(len(boundary.starts) - 1), np.diff(boundary.starts))
-
-
 def _length_between(
     boundary: Boundary, length: Array, a: IntArray, b: IntArray, at_a: Array, at_b: Array
 ) -> Array:
     """Shorter way along the loop between places on the edges ``a`` and ``b`` (mm); infinite between loops; (k,)."""
-    loop = _loops(boundary)
+    loop = boundary.loop_numbers
     perimeter = np.add.reduceat(length, boundary.starts[:-1])[loop[a]]
     way = np.abs(at_a - at_b)
     return np.where(loop[a] == loop[b], np.minimum(way, perimeter - way), np.inf)
@@ -218,7 +213,7 @@ def _length_between(
 
 def _entries_between(boundary: Boundary, a: IntArray, b: IntArray) -> IntArray:
     """Steps from entry to entry between ``a`` and ``b`` (k,), the shorter way; many between loops; shape (k,)."""
-    loop = _loops(boundary)
+    loop = boundary.loop_numbers
     size = np.diff(boundary.starts)[loop[a]]
     way = np.abs(a - b)
     return np.where(loop[a] == loop[b], np.minimum(way, size - way), len(boundary.particles))
@@ -228,7 +223,7 @@ def _window(boundary: Boundary, middle: IntArray, separation: IntArray) -> IntAr
     """Arcs around ``middle`` (k,), none that a point ``separation`` (k,) entries away lies on; shape (k, 7)."""
     width = np.minimum(_WINDOW, separation - _LEAST_APART)
     offset = np.clip(np.arange(-_WINDOW, _WINDOW + 1), -width[:, None], width[:, None])
-    loop = _loops(boundary)[middle]
+    loop = boundary.loop_numbers[middle]
     first = boundary.starts[loop][:, None]
     size = np.diff(boundary.starts)[loop][:, None]
     return first + (middle[:, None] + offset - first) % size
