@@ -54,8 +54,10 @@ class FacingPoints:
         To the nearest point of the surface that it faces (mm); shape (k,).
     apart
         Length of boundary between the two (mm); infinite between loops; shape (k,).
+    curve
+        The loops as closed curves; arc i is that of entry i.
     candidates
-        Arcs of :func:`closed_arcs` among which that point is; shape (k, w).
+        Arcs of it among which that point is; shape (k, w).
     """
 
     edges: IntArray
@@ -63,6 +65,7 @@ class FacingPoints:
     lengths: Array
     distance: Array
     apart: Array
+    curve: Arcs
     candidates: IntArray
 
     @property
@@ -73,21 +76,6 @@ class FacingPoints:
     def thickness(self, largest: float) -> Array:
         """Distance at which each point touches (mm), at most ``largest``; shape (k,)."""
         return np.minimum(largest, _NOTCH * self.apart)
-
-
-def closed_arcs(boundary: Boundary) -> Arcs:
-    """The loops as closed B-splines, corners included; arc i is that of entry i."""
-    particles = boundary.particles
-    nodes = np.column_stack([particles[boundary.preceding], particles, particles[boundary.following]])
-    sizes = np.diff(boundary.starts)
-    count = len(particles)
-    return Arcs(
-        nodes,
-        np.tile(SPLINE, (count, 1, 1)),
-        np.repeat(boundary.starts[:-1], sizes),
-        np.repeat(boundary.starts[1:] - 1, sizes),
-        np.ones(count, dtype=bool),
-    )
 
 
 def facing_points(
@@ -156,8 +144,9 @@ def facing_points(
     first[1:] = query[order[1:]] != query[order[:-1]]
     best = order[first]
     # By the curve's normal at the foot: that of the edge would change from one to the next.
+    curve = _closed_arcs(boundary)
     opposite = _curve_normals(
-        points, boundary, middle[best], np.where(fraction < 0.5, 0.5, -0.5)[best] + fraction[best]
+        points, curve, middle[best], np.where(fraction < 0.5, 0.5, -0.5)[best] + fraction[best]
     )
     cosine = np.maximum(-np.sum(outward[mine[best]] * opposite, axis=1), _OPPOSED)
     weight = np.tile(_PARTS, count)[query[best]]
@@ -167,13 +156,28 @@ def facing_points(
         weight * length[mine[best]] * (cosine - _OPPOSED) / (1.0 - _OPPOSED),
         distance[best],
         apart[best],
+        curve,
         _window(boundary, middle[best], separation[best]),
     )
 
 
-def _curve_normals(points: Array, boundary: Boundary, arcs: IntArray, t: Array) -> Array:
-    """Outward unit normals of the closed curve at ``t`` (k,) on its ``arcs`` (k,); shape (k, 2)."""
-    curve = closed_arcs(boundary)
+def _closed_arcs(boundary: Boundary) -> Arcs:
+    """The loops as closed B-splines, corners included; arc i is that of entry i."""
+    particles = boundary.particles
+    nodes = np.column_stack([particles[boundary.preceding], particles, particles[boundary.following]])
+    sizes = np.diff(boundary.starts)
+    count = len(particles)
+    return Arcs(
+        nodes,
+        np.tile(SPLINE, (count, 1, 1)),
+        np.repeat(boundary.starts[:-1], sizes),
+        np.repeat(boundary.starts[1:] - 1, sizes),
+        np.ones(count, dtype=bool),
+    )
+
+
+def _curve_normals(points: Array, curve: Arcs, arcs: IntArray, t: Array) -> Array:
+    """Outward unit normals of the closed ``curve`` at ``t`` (k,) on its ``arcs`` (k,); shape (k, 2)."""
     _, slope, _ = curve.at(arcs, t)
     tangent = np.einsum("ka,kai->ki", slope, points[curve.nodes[arcs]])
     return np.column_stack([tangent[:, 1], -tangent[:, 0]]) / np.hypot(*tangent.T)[:, None]

@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 from meshing.mesh import Mesh
 from meshing.sizes import SpacingField
 from pfemcut.contact.node_to_segment import ContactPoints
-from pfemcut.contact.self_search import FacingPoints, closed_arcs, facing_points
+from pfemcut.contact.self_search import FacingPoints, facing_points
 from pfemcut.pfem.body_contact import SurfaceInterface
 from pfemcut.pfem.newton import StepFailed
 from pfemcut.problem import Problem, SelfContact
@@ -53,7 +53,7 @@ def _search(rule: SelfContact, mesh: Mesh, points: Array, motion: Array) -> Self
         candidates=found.candidates,
         thickness=found.thickness(rule.thickness),
     )
-    return SelfInterface(closed_arcs(boundary), contact_points, rule, found)
+    return SelfInterface(found.curve, contact_points, rule, found)
 
 
 def require_apart(mesh: Mesh, interface: SelfInterface, positions: Array) -> None:
