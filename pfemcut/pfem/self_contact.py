@@ -7,6 +7,7 @@ alike; forces and moments of each pair of point and surface balance.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -81,8 +82,13 @@ class FacingSizes:
 
     def __call__(self, points: Array) -> Array:
         """Spacing (mm) at ``points`` (n, 2); shape (n,)."""
-        distance, _ = cKDTree(self.places).query(points)
+        distance, _ = self._tree.query(points)
         return np.minimum(self.sizes(points), self.spacing + _GROWTH * distance)
+
+    @cached_property
+    def _tree(self) -> cKDTree:
+        """Search tree of the places."""
+        return cKDTree(self.places)
 
 
 def sizes_beside_contact(problem: Problem, mesh: Mesh, sizes: SpacingField) -> SpacingField:
