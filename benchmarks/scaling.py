@@ -21,8 +21,8 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from pfemcut.results.published import write_json
 from pfemcut.validation.provenance import ROOT, provenance
+from pfemcut.whole_files import write_json
 
 WORKER = Path(__file__).resolve().parent / "measured_steps.py"
 FACTORS = (1.15, 0.64, 0.36, 0.205, 0.145)  # about 2k, 6k, 18k, 52k and 100k particles

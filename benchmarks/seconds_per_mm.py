@@ -26,8 +26,8 @@ from rich.table import Table
 from scipy.integrate import trapezoid
 
 from pfemcut.results.history import read_table
-from pfemcut.results.published import write_json
 from pfemcut.validation.provenance import ROOT, provenance
+from pfemcut.whole_files import write_json
 
 LONGEST = 4.7e-7  # s, 4.5 of the paper's steps
 TOLERANCE = 0.15

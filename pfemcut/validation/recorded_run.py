@@ -17,9 +17,9 @@ from pfemcut.output.directory import HISTORY, SUMMARY
 from pfemcut.ranks import Ranks
 from pfemcut.results.checkpoint import NAME, PREVIOUS
 from pfemcut.results.history import read_table
-from pfemcut.results.published import write_json
 from pfemcut.results.summary import Summary
 from pfemcut.validation.provenance import provenance
+from pfemcut.whole_files import write_json
 
 SESSIONS = "sessions.json"
 

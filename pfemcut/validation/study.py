@@ -15,7 +15,6 @@ from pfemcut.inputs import InputError, nearest
 from pfemcut.method import RunStopped
 from pfemcut.output.tables import number_text, print_table, write_csv
 from pfemcut.ranks import Ranks
-from pfemcut.results.published import write_json
 from pfemcut.results.summary import figure_mean, figure_std
 from pfemcut.validation.options import exit_with, parser, start_of
 from pfemcut.validation.provenance import ROOT, provenance
@@ -27,6 +26,7 @@ from pfemcut.validation.recorded_run import (
     recorded_run,
     sessions,
 )
+from pfemcut.whole_files import write_json
 
 REDUCED_CASE = ROOT / "demos" / "aisi4340_demo" / "case.toml"
 """The reduced block and coarse sizes that studies run on."""
