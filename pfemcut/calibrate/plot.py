@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import textwrap
 from pathlib import Path
 
@@ -13,6 +12,7 @@ from matplotlib.figure import Figure
 
 from pfemcut.calibrate.cuts import target_names
 from pfemcut.calibrate.study import Calibration, Found
+from pfemcut.whole_files import replacing
 
 DOTS_PER_INCH = 130
 BOTH = 2.0
@@ -21,9 +21,8 @@ BOTH = 2.0
 
 def write_plot(path: Path, study: Calibration, found: Found) -> None:
     """Write the picture as PNG, at once."""
-    temporary = path.with_name(path.name + ".tmp")
-    draw(study, found).savefig(temporary, format="png", dpi=DOTS_PER_INCH)
-    os.replace(temporary, path)
+    with replacing(path) as temporary:
+        draw(study, found).savefig(temporary, format="png", dpi=DOTS_PER_INCH)
 
 
 def draw(study: Calibration, found: Found) -> Figure:

@@ -10,10 +10,10 @@ from pfemcut.calibrate.confidence import LEVEL
 from pfemcut.calibrate.cuts import target_names
 from pfemcut.calibrate.study import JSON, TABLE, Calibration, Found
 from pfemcut.output.tables import print_table, write_csv
-from pfemcut.results.published import write_json
 from pfemcut.sweep.units import units_of
 from pfemcut.validation.provenance import provenance
 from pfemcut.validation.recorded_run import sessions
+from pfemcut.whole_files import write_json
 
 
 def write_found(study: Calibration, found: Found) -> None:

@@ -90,11 +90,11 @@ def _write(path: Path, comparison: Comparison) -> list[Path]:
     from pfemcut.compare.plot import write_plot
     from pfemcut.compare.table import as_json, markdown, write_table
     from pfemcut.output.directory import writing
-    from pfemcut.results.published import write_json
     from pfemcut.validation.provenance import provenance
+    from pfemcut.whole_files import write_json, write_text
 
     def as_markdown(to: Path) -> None:
-        to.write_text(markdown(comparison), encoding="utf-8")
+        write_text(to, markdown(comparison))
 
     writers = {
         ".csv": lambda to: write_table(to, comparison),

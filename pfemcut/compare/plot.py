@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import textwrap
 from collections.abc import Sequence
 from pathlib import Path
@@ -18,6 +17,7 @@ from pfemcut.compare.sources import Kind, Source
 from pfemcut.compare.table import Comparison, Row
 from pfemcut.results.measured import FORCES
 from pfemcut.results.published import KNOWN
+from pfemcut.whole_files import replacing
 
 DOTS_PER_INCH = 130
 COLUMNS = 4
@@ -29,9 +29,8 @@ LARGEST = 12
 
 def write_plot(path: Path, comparison: Comparison) -> None:
     """Write the picture as PNG, at once."""
-    temporary = path.with_name(path.name + ".tmp")
-    draw(comparison).savefig(temporary, format="png", dpi=DOTS_PER_INCH)
-    os.replace(temporary, path)
+    with replacing(path) as temporary:
+        draw(comparison).savefig(temporary, format="png", dpi=DOTS_PER_INCH)
 
 
 def draw(comparison: Comparison) -> Figure:

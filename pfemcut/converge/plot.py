@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -17,6 +16,7 @@ from pfemcut.converge.results import behaviour_text
 from pfemcut.converge.study import Finding, Refined
 from pfemcut.results.definitions import FIGURES
 from pfemcut.sweep.plot import COLUMNS, DOTS_PER_INCH
+from pfemcut.whole_files import replacing
 
 PNG = "convergence.png"
 
@@ -31,9 +31,8 @@ def write_plot(study: Refined, found: Sequence[Finding]) -> list[Path]:
     if not names:
         return []
     path = study.plan.output / PNG
-    temporary = path.with_name(path.name + ".tmp")
-    draw(study, names, found).savefig(temporary, format="png", dpi=DOTS_PER_INCH)
-    os.replace(temporary, path)
+    with replacing(path) as temporary:
+        draw(study, names, found).savefig(temporary, format="png", dpi=DOTS_PER_INCH)
     return [path]
 
 

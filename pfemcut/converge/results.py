@@ -12,10 +12,10 @@ from pfemcut.converge.study import Finding, Refined
 from pfemcut.output.directory import HISTORY
 from pfemcut.output.tables import number_text, print_table, write_csv
 from pfemcut.results.definitions import FIGURES
-from pfemcut.results.published import write_json
 from pfemcut.sweep.results import CSV, Outcome
 from pfemcut.validation.provenance import provenance
 from pfemcut.validation.recorded_run import read_history
+from pfemcut.whole_files import write_json
 
 TABLE = "convergence.csv"
 JSON = "convergence.json"
