@@ -121,7 +121,7 @@ def confidence_of(
     poor = freedom > 0 and plausibility < IMPLAUSIBLE
     if freedom and (poor or assumed):
         scale, quantile = misfit / freedom, float(t.ppf(0.5 + LEVEL / 2.0, freedom))
-        basis = f"the misfit (Student's t, {freedom} degrees of freedom)"
+        basis = f"the misfit (Student's t, {_degrees(freedom)})"
 
     singular = np.linalg.svd(_unit_columns(jacobian), compute_uv=False)
     condition = float(singular[0] / singular[-1]) if singular[-1] > 0.0 else math.inf
@@ -149,7 +149,7 @@ def confidence_of(
     if poor:
         warnings.append(
             f"the computed figures differ from the measured ones by more than the uncertainties explain "
-            f"(misfit {misfit:.3g} with {freedom} degrees of freedom, probability {plausibility:.2g}): "
+            f"(misfit {misfit:.3g} with {_degrees(freedom)}, probability {plausibility:.2g}): "
             "the model lacks something, or uncertainties are too small"
         )
     if not freedom:
@@ -208,6 +208,10 @@ def _loose(estimates: Sequence[Estimate], jacobian: Array, noise: Array, differe
                 "scatter: its derivatives are noise; a larger --difference helps"
             )
     return found
+
+
+def _degrees(freedom: int) -> str:
+    return f"{freedom} degree{'s' if freedom > 1 else ''} of freedom"
 
 
 def _unit_columns(jacobian: Array) -> Array:

@@ -34,6 +34,8 @@ class Computed:
     deviations: Array
 
 
+KEPT = 0.25
+"""Derivatives are kept as long as no parameter moved by more than this part of their step."""
 _SHIFT = 1.0
 
 Evaluate = Callable[[Sequence[tuple[float, ...]]], Sequence[Computed]]
@@ -154,7 +156,15 @@ def fitted(
         (computed,) = remembered([point_at(scaled)])
         return np.asarray((computed.values - measured) / uncertainties)
 
+    taken: list[tuple[Array, Array]] = []
+
     def jacobian(scaled: Array) -> Array:
+        """Differences, those of before where the point hardly moved."""
+        if not taken or np.abs(scaled - taken[-1][0]).max() > KEPT * controls.difference:
+            taken.append((scaled.copy(), differences(scaled)))
+        return taken[-1][1].copy()
+
+    def differences(scaled: Array) -> Array:
         pairs = [_pair(scaled, index, controls) for index in range(len(parameters))]
         points = [point_at(each) for pair in pairs for each in pair]
         figures = remembered(points)

@@ -59,7 +59,7 @@ def _draw_figures(axes: Axes, study: Calibration, found: Found) -> None:
     )
     names = target_names(study.targets, study.cuts)
     labels = [
-        textwrap.fill(f"{name} {value:.4g} {each.figure.unit}", 34)
+        textwrap.fill(f"{name}: {value:.4g} {each.figure.unit}", 40)
         for name, value, each in zip(names, measured, study.targets, strict=True)
     ]
     axes.set_yticks(at, labels, fontsize="small")
@@ -67,7 +67,7 @@ def _draw_figures(axes: Axes, study: Calibration, found: Found) -> None:
     axes.axvline(1.0, color="0.6", linewidth=0.8)
     axes.set_xlabel("Over the measured value")
     axes.grid(axis="x", alpha=0.3)
-    axes.legend(fontsize="small", loc="best")
+    axes.legend(fontsize="small", loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, frameon=False)
 
 
 def _draw_parameters(axes: Axes, study: Calibration, found: Found) -> None:
@@ -80,13 +80,15 @@ def _draw_parameters(axes: Axes, study: Calibration, found: Found) -> None:
             axes.plot([low, high], [level, level], color="C0", linewidth=6, solid_capstyle="butt", alpha=0.5)
         axes.plot(parameter.scaled(parameter.start), level, "|", color="0.3", markersize=14)
         axes.plot(parameter.scaled(each.value), level, "o", color="C0")
-        axes.text(0.0, level + 0.22, f"{parameter.low:g}", ha="left", fontsize="small", color="0.4")
-        axes.text(1.0, level + 0.22, f"{parameter.high:g}", ha="right", fontsize="small", color="0.4")
+        axes.text(0.0, level - 0.2, f"{parameter.low:g}", ha="left", va="top", fontsize="small", color="0.4")
+        axes.text(
+            1.0, level - 0.2, f"{parameter.high:g}", ha="right", va="top", fontsize="small", color="0.4"
+        )
         text = f"{each.value:.4g}"
         axes.text(parameter.scaled(each.value), level + 0.22, text, ha="center", fontsize="small", color="C0")
     labels = [textwrap.fill(each.key, 34) for each in study.parameters][::-1]
     axes.set_yticks(range(count), labels, fontsize="small")
-    axes.set_ylim(-0.5, count - 0.3)
+    axes.set_ylim(-0.6, count - 0.4)
     axes.set_xlim(-0.02, 1.02)
     axes.set_xticks([])
-    axes.set_xlabel("Grey: bounds; bar: 95 % interval; tick: start", fontsize="small")
+    axes.set_xlabel("Grey: bounds; bar: 95 % interval within them; tick: start", fontsize="small")
