@@ -89,8 +89,8 @@ def test_friction_and_strength_of_a_shear_plane_come_back_exactly_from_exact_fig
         True,
     ]
     assert known.warnings == ()
-    # Dear runs: few points, none of them twice.
-    assert len(evaluate.asked) == len(set(evaluate.asked)) <= 18
+    # Dear runs: few points, none of them twice, and no derivatives for a last step that hardly moves.
+    assert len(evaluate.asked) == len(set(evaluate.asked)) <= 14
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
