@@ -163,7 +163,8 @@ def require_same_case(stored: str, wanted: str) -> None:
     changes = changed_keys(stored, wanted)
     if changes:
         raise CheckpointError(
-            "only travel, output, wear constants and the number of ranks may change on resume, but: " + "; ".join(changes)
+            "only travel, output, wear constants and the number of ranks may change on resume, but: "
+            + "; ".join(changes)
         )
 
 

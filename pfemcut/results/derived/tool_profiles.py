@@ -1,4 +1,4 @@
-"""Profiles along the tool: what its surface feels of the workpiece, averaged over frames (docs/tool_profiles.md).
+"""Profiles along the tool: what its surface feels of the workpiece, averaged over instants (docs/tool_profiles.md).
 
 Positions are arc lengths along the tool: zero at the rake tangent point, positive up the rake face, negative round the
 edge (the tip circle's arc) and along the flank face. Sliding speeds and shear tractions have signs: positive where the
@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,8 @@ PER_DEPTH = 25
 ON_EDGE = 6
 """Fewest stations on the edge."""
 RAKE, EDGE, FLANK = "rake", "edge", "flank"
+
+_TOUCHED = 1e-9  # of a station, below which it is not in contact
 
 WearRate = Callable[[Array, Array, Array], Array]
 """From normal pressure (MPa), sliding speed (mm/s) and temperature (K) to the depth worn off in a second (mm/s)."""
@@ -53,8 +55,8 @@ class ToolLoads:
         Of the workpiece along the tool (mm/s).
     temperature
         Of the workpiece's surface (K).
-    tool_arc, tool_temperature
-        Arc length (mm), rising, and temperature (K) of the surface of a tool that conducts heat; (n,), else empty.
+    tool_temperature
+        Of the tool's surface (K); nan where the tool does not conduct heat.
     """
 
     arc: Array
@@ -64,14 +66,16 @@ class ToolLoads:
     shear: Array
     sliding_speed: Array
     temperature: Array
-    tool_arc: Array = field(default_factory=lambda: np.empty(0))
-    tool_temperature: Array = field(default_factory=lambda: np.empty(0))
+    tool_temperature: Array
 
     def interface_temperature(self) -> Array:
-        """Temperature that wears the tool (K): its own surface's if it conducts, else the workpiece's; (k,)."""
-        if not self.tool_arc.size:
-            return self.temperature
-        return np.interp(self.arc, self.tool_arc, self.tool_temperature)
+        """Temperature that wears the tool (K): of its own surface, or else of the workpiece's; (k,)."""
+        return np.where(np.isfinite(self.tool_temperature), self.tool_temperature, self.temperature)
+
+    @staticmethod
+    def none() -> ToolLoads:
+        """No contact."""
+        return ToolLoads(*(np.empty(0) for _ in fields(ToolLoads)))
 
 
 @dataclass(frozen=True)
@@ -106,35 +110,46 @@ class Stations:
 
 @dataclass(frozen=True)
 class Averaged:
-    """Mean and standard deviation over the frames at each station, nan where undefined; shape (m,)."""
+    """A quantity at each station at each instant, nan where undefined; shape (instants, m)."""
 
-    mean: Array
-    std: Array
+    samples: Array
+
+    @property
+    def mean(self) -> Array:
+        """Mean over the instants that know the quantity, nan where none does; shape (m,)."""
+        known = np.isfinite(self.samples)
+        count = known.sum(axis=0)
+        total = np.where(known, self.samples, 0.0).sum(axis=0)
+        return np.divide(total, count, out=np.full(count.shape, np.nan), where=count > 0)
+
+    @property
+    def std(self) -> Array:
+        """Standard deviation over the same instants; shape (m,)."""
+        return np.sqrt(Averaged((self.samples - self.mean) ** 2).mean)
 
 
 @dataclass(frozen=True)
 class ToolProfiles:
-    """Profiles along the tool, averaged over frames.
+    """Profiles along the tool, averaged over instants.
 
     Attributes
     ----------
     stations
         Where.
-    frames
-        Number of frames.
+    instants
+        How many.
     contact
-        Part of each station that is in contact, mean over the frames; shape (m,).
+        Part of each station that is in contact, mean over the instants; shape (m,).
     quantities
         ``pressure``, ``shear`` (MPa), ``sliding_speed`` (mm/s), ``temperature`` of the workpiece (K), ``heat_flux`` of
         friction (mW/mm²); ``tool_temperature`` (K) of a tool that conducts; ``wear_rate`` (mm/s) if constants are
-        given. Temperature of the workpiece and sliding speed are means over what is in contact, the others over the
-        whole station.
+        given. Temperatures and sliding speed are means over what is in contact, the others over the whole station.
     forces
-        Cutting and thrust force (N/mm) that the particles' tractions add up to in each frame; shape (frames, 2).
+        Cutting and thrust force (N/mm) that the particles' tractions add up to at each instant; shape (instants, 2).
     """
 
     stations: Stations
-    frames: int
+    instants: int
     contact: Array
     quantities: dict[str, Averaged]
     forces: Array
@@ -146,7 +161,7 @@ class ToolProfiles:
         return np.divide(np.abs(self.quantities["shear"].mean), pressure, out=ratio, where=pressure > 0.0)
 
 
-def tool_loads(frame: Frame, tool_velocity: tuple[float, float], *, conducts: bool) -> ToolLoads:
+def tool_loads(frame: Frame, tool_velocity: tuple[float, float], step: float = 0.0) -> ToolLoads:
     """What the body of ``frame`` does to its tool.
 
     Parameters
@@ -155,16 +170,17 @@ def tool_loads(frame: Frame, tool_velocity: tuple[float, float], *, conducts: bo
         An instant with a tool.
     tool_velocity
         Velocity of the tool (mm/s), as of a rigid body.
-    conducts
-        Whether the tool takes heat from the workpiece, so that its surface has a temperature of its own.
+    step
+        Time (s) since the surface had the lengths that the contact forces were found with: the last time step for a
+        rigid tool, zero if particles and tool were moved together.
     """
     tool, contact = frame.tool[0], frame.contact
-    before, after = facing_halves(tool, frame.points, loop_edges(frame.loops))
+    velocity = np.asarray(frame.point_fields["velocity"], dtype=np.float64)
+    before, after = facing_halves(tool, frame.points - step * velocity, loop_edges(frame.loops))
     arc = tool.arc_length(frame.points[contact.particles])
     _, along = directions(tool, frame.points[contact.particles])
-    velocity = np.asarray(frame.point_fields["velocity"], dtype=np.float64)[contact.particles]
-    sliding = np.sum((velocity - np.asarray(tool_velocity)) * along, axis=1)
-    surface = tool_surface_temperature(frame) if conducts else (np.empty(0), np.empty(0))
+    sliding = np.sum((velocity[contact.particles] - np.asarray(tool_velocity)) * along, axis=1)
+    surface, warmth = tool_surface_temperature(frame)
     return ToolLoads(
         arc,
         arc - before[contact.particles],
@@ -174,15 +190,15 @@ def tool_loads(frame: Frame, tool_velocity: tuple[float, float], *, conducts: bo
         np.copysign(contact.shear, sliding),
         sliding,
         temperature(frame)[contact.particles],
-        *surface,
+        np.interp(arc, surface, warmth) if surface.size else np.full(arc.size, np.nan),
     )
 
 
 def facing_halves(tool: RigidWedge, points: Array, edges: IntArray) -> tuple[Array, Array]:
     """Length along the tool (mm) of half the boundary edge before and after each particle; shape (n,) each.
 
-    The body lies on the left of its edges (b, 2), so that they run up the rake face. Lengths are projected on the tool's
-    tangent at the particle, and zero where the body does not face the tool, as contact has them.
+    The body lies on the left of its edges (b, 2), so that they run up the rake face. Lengths are projected on the
+    tool's tangent at the particle, and zero where the body does not face the tool, as contact has them.
     """
     along = points[edges[:, 1]] - points[edges[:, 0]]
     outward = np.column_stack([along[:, 1], -along[:, 0]])  # times the edge's length
@@ -201,10 +217,10 @@ def directions(tool: RigidWedge, points: Array) -> tuple[Array, Array]:
 
 
 def stations_of(loads: Sequence[ToolLoads], tool: RigidWedge, depth: float) -> Stations:
-    """Stations over all that was in contact in one of the frames, of which at least the edge's.
+    """Stations over all that was in contact at one of the instants, of which at least the edge's.
 
-    On rake and flank they are a twenty-fifth of the depth of cut (mm) long; the edge is divided into equal ones that are
-    not longer, and at least six.
+    On rake and flank they are a twenty-fifth of the depth of cut (mm) long; the edge is divided into equal ones that
+    are not longer, and at least six.
     """
     size = depth / PER_DEPTH
     arc = tool.tip_radius * tool.arc_angle
@@ -226,7 +242,7 @@ def stations_of(loads: Sequence[ToolLoads], tool: RigidWedge, depth: float) -> S
 def averaged_profiles(
     loads: Sequence[ToolLoads], tool: RigidWedge, depth: float, wear: tuple[WearRate, ...] = ()
 ) -> ToolProfiles:
-    """Average the frames' ``loads`` (at least one), all with the same weight.
+    """Average the ``loads`` of instants (at least one), all with the same weight.
 
     The wear rate is that of each particle's own pressure, speed and temperature, then averaged: it is far from linear
     in the temperature.
@@ -234,7 +250,7 @@ def averaged_profiles(
     Parameters
     ----------
     loads
-        Of each frame.
+        Of each instant.
     tool
         The tool; where it is does not matter.
     depth
@@ -247,12 +263,11 @@ def averaged_profiles(
     covered = np.array([each.sum(axis=0) for each in spread])
 
     def over_station(values: Sequence[Array]) -> Averaged:
-        return _over_frames(np.array([value @ share for value, share in zip(values, spread, strict=True)]))
+        return Averaged(np.array([value @ share for value, share in zip(values, spread, strict=True)]))
 
     def over_contact(values: Sequence[Array]) -> Averaged:
-        total = np.array([value @ share for value, share in zip(values, spread, strict=True)])
-        undefined = np.full_like(total, np.nan)
-        return _over_frames(np.divide(total, covered, out=undefined, where=covered > 1e-9))
+        total = over_station(values).samples
+        return Averaged(np.divide(total, covered, out=np.full_like(total, np.nan), where=covered > _TOUCHED))
 
     quantities = {
         "pressure": over_station([each.pressure for each in loads]),
@@ -261,10 +276,8 @@ def averaged_profiles(
         "temperature": over_contact([each.temperature for each in loads]),
         "heat_flux": over_station([each.shear * each.sliding_speed for each in loads]),
     }
-    if all(each.tool_arc.size for each in loads):
-        quantities["tool_temperature"] = _over_frames(
-            np.array([np.interp(stations.position, each.tool_arc, each.tool_temperature) for each in loads])
-        )
+    if all(np.isfinite(each.tool_temperature).all() for each in loads):
+        quantities["tool_temperature"] = over_contact([each.tool_temperature for each in loads])
     for law in wear:
         quantities["wear_rate"] = over_station(
             [law(each.pressure, each.sliding_speed, each.interface_temperature()) for each in loads]
@@ -301,13 +314,3 @@ def _shares(loads: ToolLoads, stations: Stations) -> Array:
     low = np.maximum(loads.begin[:, None], stations.borders[None, :-1])
     high = np.minimum(loads.end[:, None], stations.borders[None, 1:])
     return np.maximum(high - low, 0.0) / stations.length
-
-
-def _over_frames(values: Array) -> Averaged:
-    """Mean and standard deviation of the rows of ``values`` (frames, m) without nan; nan where all are."""
-    known = np.isfinite(values)
-    count = known.sum(axis=0)
-    some = np.maximum(count, 1)
-    mean = np.where(known, values, 0.0).sum(axis=0) / some
-    variance = np.where(known, (values - mean) ** 2, 0.0).sum(axis=0) / some
-    return Averaged(np.where(count > 0, mean, np.nan), np.where(count > 0, np.sqrt(variance), np.nan))
