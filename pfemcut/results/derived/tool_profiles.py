@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from pfemcut.method import Frame
 from pfemcut.results.derived.contact_length import temperature
-from pfemcut.results.derived.profiles import tool_surface_temperature
+from pfemcut.results.derived.profiles import tool_surface, tool_surface_temperature
 from pfemcut.results.derived.rays import loop_edges
 from pfemcut.tools.rigid_wedge import RigidWedge
 
@@ -169,7 +169,7 @@ def tool_loads(frame: Frame, tool_velocity: tuple[float, float], step: float = 0
     frame
         An instant with a tool.
     tool_velocity
-        Velocity of the tool (mm/s), as of a rigid body.
+        Velocity of the tool (mm/s); of a deformable one, where it is held.
     step
         Time (s) since the surface had the lengths that the contact forces were found with: the last time step for a
         rigid tool, zero if particles and tool were moved together.
@@ -179,7 +179,8 @@ def tool_loads(frame: Frame, tool_velocity: tuple[float, float], step: float = 0
     before, after = facing_halves(tool, frame.points - step * velocity, loop_edges(frame.loops))
     arc = tool.arc_length(frame.points[contact.particles])
     _, along = directions(tool, frame.points[contact.particles])
-    sliding = np.sum((velocity[contact.particles] - np.asarray(tool_velocity)) * along, axis=1)
+    slip = velocity[contact.particles] - _surface_velocity(frame, arc, tool_velocity)
+    sliding = np.sum(slip * along, axis=1)
     surface, warmth = tool_surface_temperature(frame)
     return ToolLoads(
         arc,
@@ -192,6 +193,16 @@ def tool_loads(frame: Frame, tool_velocity: tuple[float, float], step: float = 0
         temperature(frame)[contact.particles],
         np.interp(arc, surface, warmth) if surface.size else np.full(arc.size, np.nan),
     )
+
+
+def _surface_velocity(frame: Frame, arc: Array, tool_velocity: tuple[float, float]) -> Array:
+    """Velocity (mm/s) of the tool's surface at arc lengths, with that of its deformation if it deforms; (k, 2)."""
+    for tool, block in zip(frame.tool, frame.tool_blocks, strict=False):
+        if "velocity" in block.point_fields:
+            particles, at = tool_surface(tool, block)
+            velocity = np.asarray(block.point_fields["velocity"], dtype=np.float64)[particles]
+            return np.column_stack([np.interp(arc, at, component) for component in velocity.T])
+    return np.tile(tool_velocity, (arc.size, 1))
 
 
 def facing_halves(tool: RigidWedge, points: Array, edges: IntArray) -> tuple[Array, Array]:
