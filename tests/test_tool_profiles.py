@@ -13,6 +13,7 @@ import pytest
 import tomli_w
 from synthetic_cut import CUT, DEPTH, TIP, filled_frame, from_rake_frame, outline_frame, tool_of
 
+from pfemcut.cli.main import status
 from pfemcut.method import ContactView, Frame
 from pfemcut.output.directory import PROFILES
 from pfemcut.output.profile_figure import write_profile_figure
@@ -310,3 +311,23 @@ def test_columns_of_the_table(tmp_path: Path) -> None:
     assert list(dict.fromkeys(parts)) == ["flank", "edge", "rake"]
     assert float(rows[-1]["wear_rate"]) > 0.0
     assert float(rows[-1]["friction"]) == pytest.approx(20.0 / 875.0, rel=1e-3)
+
+
+def test_command_writes_and_prints(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    directory = run_folder(tmp_path / "run")
+    assert status(["profiles", str(directory)]) == 0
+    assert (directory / "figures" / "tool_profiles.png").exists()
+    shown = capsys.readouterr().out
+    assert "26 instants, travel 0.75 to 1 mm" in shown
+    assert "wear" not in shown
+    before = (directory / PROFILES).read_bytes()
+    other = ["profiles", str(directory), "--wear", "p20_carbon_steel"]
+    assert status([*other, "-o", str(tmp_path / "other")]) == 0
+    shown = capsys.readouterr().out
+    assert "crater_wear_rate" in shown
+    assert "Unconfirmed" in shown
+    assert "wear_rate" in (tmp_path / "other" / PROFILES).read_text()
+    assert (directory / PROFILES).read_bytes() == before
+    assert status(other) == 2
+    assert status(["profiles", str(tmp_path)]) == 2
+    assert "holds no cut with contact" in capsys.readouterr().err

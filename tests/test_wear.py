@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import tomllib
 from pathlib import Path
 
@@ -103,6 +104,16 @@ def test_constants_come_from_library_file_or_table(tmp_path: Path) -> None:
         assert (law.ranges[0].A, law.ranges[0].B) == (1e-8, 5000.0)
     case, material = load_case(case_file(tmp_path, '"wc_co_ti6al4v"'))
     assert tomllib.loads(resolved_toml(case, material))["tool"]["wear"]["B"] == 18769.9
+
+
+@pytest.mark.parametrize("name", wear_names())
+def test_page_has_the_library_s_constants(name: str) -> None:
+    page = (Path(__file__).parent.parent / "docs" / "tool_profiles.md").read_text(encoding="utf-8")
+    (row,) = (line for line in page.splitlines() if line.startswith(f"| `{name}` |"))
+    law = wear_of(wear_table(name, Path()))
+    assert law.name in row
+    numbers = {float(word) for word in re.findall(r"\d[\d.]*(?:e-?\d+)?", row)}
+    assert {value for each in law.ranges for value in (each.A, each.B)} <= numbers
 
 
 def test_a_case_without_constants_is_resolved_as_before(tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ from matplotlib.axes import Axes  # noqa: E402
 from matplotlib.figure import Figure  # noqa: E402
 from numpy.typing import NDArray  # noqa: E402
 
-from pfemcut.output.directory import FIGURES  # noqa: E402
+from pfemcut.output.directory import FIGURES, writing  # noqa: E402
 from pfemcut.output.tool_profiles import CutProfiles, cut_profiles, write_table  # noqa: E402
 from pfemcut.results.derived.tool_profiles import FLANK, Averaged, ToolProfiles  # noqa: E402
 
@@ -33,9 +33,21 @@ def write_profile_figure(directory: Path) -> list[Path]:
     written = []
     for found in cut_profiles(directory):
         write_table(directory, found.profiles)
-        (directory / FIGURES).mkdir(exist_ok=True)
-        written.append(_save(draw_tool_profiles(found), directory / FIGURES / NAME))
+        written.append(write_picture(found, directory / FIGURES))
     return written
+
+
+def write_picture(found: CutProfiles, folder: Path) -> Path:
+    """Draw profiles into a ``folder``, made if missing; the picture's path."""
+    with writing(folder):
+        folder.mkdir(exist_ok=True)
+        path = folder / NAME
+        temporary = path.with_name(path.name + ".tmp")
+        figure = draw_tool_profiles(found)
+        figure.savefig(temporary, dpi=DOTS_PER_INCH, format="png")
+        plt.close(figure)
+        os.replace(temporary, path)
+    return path
 
 
 def draw_tool_profiles(found: CutProfiles) -> Figure:
@@ -102,11 +114,3 @@ def _mark_parts(panels: Sequence[Axes], profiles: ToolProfiles) -> None:
             fontsize="small",
             color="0.3",
         )
-
-
-def _save(figure: Figure, path: Path) -> Path:
-    temporary = path.with_name(path.name + ".tmp")
-    figure.savefig(temporary, dpi=DOTS_PER_INCH, format="png")
-    plt.close(figure)
-    os.replace(temporary, path)
-    return path

@@ -76,8 +76,10 @@ class _Instants:
     loads: list[ToolLoads]
 
 
-def cut_profiles(directory: Path) -> tuple[CutProfiles, ...]:
+def cut_profiles(directory: Path, wear: tuple[UsuiWear, ...] = ()) -> tuple[CutProfiles, ...]:
     """Profiles of the run in ``directory``; none unless it is a cut that has had contact.
+
+    ``wear`` replaces the case's law of the wear rate.
 
     They come from the records of ``contact.csv`` in the steady window; where there are none (runs of older versions),
     from the frames of the fields in the window, or else from the last frame.
@@ -95,6 +97,7 @@ def cut_profiles(directory: Path) -> tuple[CutProfiles, ...]:
         return ()
     window = steady_window(history["travel"], history["cutting_force"])
     for inputs in cut_inputs(case):
+        inputs = replace(inputs, wear=wear or inputs.wear)
         found = _recorded(directory, history, window)
         if not found.loads:
             found = _of_frames(directory, history, window, inputs)
@@ -126,8 +129,8 @@ def cut_inputs(case: Mapping[str, Any]) -> tuple[CutInputs, ...]:
     )
 
 
-def write_table(directory: Path, profiles: ToolProfiles) -> None:
-    """Write ``tool_profiles.csv``, at once."""
+def write_table(directory: Path, profiles: ToolProfiles) -> Path:
+    """Write ``tool_profiles.csv``, at once; its path."""
     columns = table_of(profiles)
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
@@ -138,6 +141,7 @@ def write_table(directory: Path, profiles: ToolProfiles) -> None:
     with writing(directory):
         temporary.write_text(text.getvalue(), encoding="ascii")
         os.replace(temporary, path)
+    return path
 
 
 def table_of(profiles: ToolProfiles) -> dict[str, list[str]]:
