@@ -1,8 +1,8 @@
 """Fills the table of docs/tool_profiles.md from docs/tool_profiles.json.
 
 python scripts/tool_profiles_page.py                fills the page
-python scripts/tool_profiles_page.py record DIR ... measures runs into the JSON file first; the first one's picture is
-                                                    the page's
+python scripts/tool_profiles_page.py record DIR ... measures runs into the JSON file first, and takes the pictures of
+                                                    the first two
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import shutil
 import sys
+import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -28,7 +29,9 @@ from pfemcut.validation.provenance import provenance
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "tool_profiles.md"
 MEASURED = ROOT / "docs" / "tool_profiles.json"
-PICTURE = ROOT / "docs" / "pictures" / "tool_profiles.png"
+PICTURES = tuple(
+    ROOT / "docs" / "pictures" / f"{name}.png" for name in ("tool_profiles", "tool_profiles_conducting")
+)
 BEGIN, END = "<!-- measured:begin -->", "<!-- measured:end -->"
 FORCES = ("cutting", "thrust")
 MICROMETRES_PER_MINUTE = 6e4
@@ -40,15 +43,14 @@ def main(arguments: Sequence[str]) -> int:
         folders = [Path(each) for each in arguments[1:]]
         content = {**provenance(), "runs": [measured(each) for each in folders]}
         MEASURED.write_text(json.dumps(content, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
-        shutil.copyfile(folders[0] / FIGURES / NAME, PICTURE)
+        for folder, picture in zip(folders, PICTURES, strict=False):
+            shutil.copyfile(folder / FIGURES / NAME, picture)
     PAGE.write_text(page(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
     return 0
 
 
 def measured(folder: Path) -> dict[str, Any]:
     """What the profiles of a run add up to, beside its history, and its wear rates."""
-    import tomllib
-
     (found,) = cut_profiles(folder)
     profiles = found.profiles
     history = read_table(folder / HISTORY)

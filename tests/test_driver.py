@@ -179,11 +179,13 @@ def test_resume_equals_uninterrupted_byte_for_byte(tmp_path: Path, killed_at: in
 def test_resume_repeats_the_steps_after_the_checkpoint(tmp_path: Path) -> None:
     run(tmp_path / "whole")
     with pytest.raises(MemoryError):
-        run(tmp_path / "killed", events={14: raising(MemoryError())})
+        # The checkpoint is that of step 9, before the contact record of step 10.
+        run(tmp_path / "killed", events={14: raising(MemoryError())}, controls=Controls(checkpoint_every=9))
     assert read_table(tmp_path / "killed/history.csv")["step"][-1] == 13
     run(tmp_path / "killed", resume=True)
-    whole, resumed = ((tmp_path / name / "history.csv").read_bytes() for name in ("whole", "killed"))
-    assert resumed == whole
+    for table in ("history.csv", "contact.csv"):
+        whole, resumed = ((tmp_path / name / table).read_bytes() for name in ("whole", "killed"))
+        assert resumed == whole
     assert read_table(tmp_path / "killed/timing.csv")["step"].tolist() == list(range(1, 21))
 
 
