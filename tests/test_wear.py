@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import runpy
 import tomllib
 from pathlib import Path
 
@@ -114,6 +115,12 @@ def test_page_has_the_library_s_constants(name: str) -> None:
     assert law.name in row
     numbers = {float(word) for word in re.findall(r"\d[\d.]*(?:e-?\d+)?", row)}
     assert {value for each in law.ranges for value in (each.A, each.B)} <= numbers
+
+
+def test_page_shows_what_was_measured() -> None:
+    script = runpy.run_path(str(Path(__file__).parent.parent / "scripts" / "tool_profiles_page.py"))
+    text = script["PAGE"].read_text(encoding="utf-8")
+    assert script["page"](text) == text, "run python scripts/tool_profiles_page.py"
 
 
 def test_a_case_without_constants_is_resolved_as_before(tmp_path: Path) -> None:
