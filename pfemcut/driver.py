@@ -254,7 +254,7 @@ class _Run:
         method = self._method
         try:
             if fresh:
-                self._record_frame()
+                self._record_frame(self._method.frame())
             end = self._problem.time.end
             with SignalNotes() as signals, progress_display(end, visible=self._ranks.first) as progress:
                 while not method.finished:
@@ -298,7 +298,7 @@ class _Run:
         if step % controls.history_every == 0:
             self._record_row()
         if step % controls.every == 0:
-            self._record_frame()
+            self._record_frame(method.frame())
         if step % controls.checkpoint_every == 0:
             self._record_checkpoint(step)
         ended = time.perf_counter()
@@ -332,8 +332,7 @@ class _Run:
         loads = tool_loads(frame, (-cut.speed, 0.0), 0.0 if tool.body else last_dt)
         self._recorders[0].contact(frame.step, loads)
 
-    def _record_frame(self) -> None:
-        frame = self._method.frame()
+    def _record_frame(self, frame: Frame) -> None:
         self._ranks.on_first(lambda: self._recorders[0].frame(frame))
 
     def _record_checkpoint(self, step: int) -> None:
@@ -346,7 +345,7 @@ class _Run:
         frame = self._method.frame()
         # Before the fields: whoever asked for the end may kill soon.
         self._record_checkpoint(frame.step)
-        self._ranks.on_first(lambda: self._recorders[0].frame(frame))
+        self._record_frame(frame)
 
         def conclude() -> Summary:
             directory, every = self._directory, (*self._warnings, *warnings)

@@ -24,7 +24,9 @@ from pfemcut.results.derived.profile_figures import profile_figures
 from pfemcut.results.derived.steady_window import steady_window
 from pfemcut.results.derived.tool_profiles import force_of_profiles
 from pfemcut.results.history import read_table
+from pfemcut.validation.marked_page import Marks
 from pfemcut.validation.provenance import provenance
+from pfemcut.whole_files import write_json
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "tool_profiles.md"
@@ -32,7 +34,7 @@ MEASURED = ROOT / "docs" / "tool_profiles.json"
 PICTURES = tuple(
     ROOT / "docs" / "pictures" / f"{name}.png" for name in ("tool_profiles", "tool_profiles_conducting")
 )
-BEGIN, END = "<!-- measured:begin -->", "<!-- measured:end -->"
+MARKS = Marks("measured")
 FORCES = ("cutting", "thrust")
 MICROMETRES_PER_MINUTE = 6e4
 
@@ -42,7 +44,7 @@ def main(arguments: Sequence[str]) -> int:
     if arguments and arguments[0] == "record":
         folders = [Path(each) for each in arguments[1:]]
         content = {**provenance(), "runs": [measured(each) for each in folders]}
-        MEASURED.write_text(json.dumps(content, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+        write_json(MEASURED, content)
         for folder, picture in zip(folders, PICTURES, strict=False):
             shutil.copyfile(folder / FIGURES / NAME, picture)
     PAGE.write_text(page(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
@@ -85,8 +87,7 @@ def measured(folder: Path) -> dict[str, Any]:
 def page(text: str) -> str:
     """``text`` of the page with its tables filled."""
     content = json.loads(MEASURED.read_text(encoding="utf-8"))
-    begin, end = text.index(BEGIN) + len(BEGIN), text.index(END)
-    return text[:begin] + "\n" + "\n".join([*_forces(content), "", *_wear(content)]) + "\n" + text[end:]
+    return MARKS.filled(text, "\n".join([*_forces(content), "", *_wear(content)]))
 
 
 def _forces(content: Mapping[str, Any]) -> list[str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -19,6 +18,7 @@ from numpy.typing import NDArray  # noqa: E402
 from pfemcut.output.directory import FIGURES, writing  # noqa: E402
 from pfemcut.output.tool_profiles import CutProfiles, cut_profiles, write_table  # noqa: E402
 from pfemcut.results.derived.tool_profiles import FLANK, Averaged, ToolProfiles  # noqa: E402
+from pfemcut.whole_files import replacing  # noqa: E402
 
 Array = NDArray[np.float64]
 
@@ -42,11 +42,10 @@ def write_picture(found: CutProfiles, folder: Path) -> Path:
     with writing(folder):
         folder.mkdir(exist_ok=True)
         path = folder / NAME
-        temporary = path.with_name(path.name + ".tmp")
         figure = draw_tool_profiles(found)
-        figure.savefig(temporary, dpi=DOTS_PER_INCH, format="png")
+        with replacing(path) as temporary:
+            figure.savefig(temporary, dpi=DOTS_PER_INCH, format="png")
         plt.close(figure)
-        os.replace(temporary, path)
     return path
 
 

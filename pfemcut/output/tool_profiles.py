@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import csv
 import io
-import os
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -27,6 +26,7 @@ from pfemcut.results.history import as_text, read_table
 from pfemcut.tools.rigid_wedge import RigidWedge
 from pfemcut.wear.load import wear_of
 from pfemcut.wear.usui import UsuiWear
+from pfemcut.whole_files import write_text
 
 Array = NDArray[np.float64]
 
@@ -137,10 +137,8 @@ def write_table(directory: Path, profiles: ToolProfiles) -> Path:
     writer.writerow(columns)
     writer.writerows(zip(*columns.values(), strict=True))
     path = directory / PROFILES
-    temporary = path.with_name(path.name + ".tmp")
     with writing(directory):
-        temporary.write_text(text.getvalue(), encoding="ascii")
-        os.replace(temporary, path)
+        write_text(path, text.getvalue())
     return path
 
 
