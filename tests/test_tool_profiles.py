@@ -280,6 +280,14 @@ def test_a_run_without_records_falls_back_on_its_frames(tmp_path: Path) -> None:
     assert found.profiles.quantities["pressure"].mean[half] == pytest.approx(105.0, rel=0.02)
 
 
+def test_records_of_the_end_alone_do_not_stand_for_the_window(tmp_path: Path) -> None:
+    directory = run_folder(tmp_path, frames=(600, 800, 900))
+    rows = (directory / "contact.csv").read_text().splitlines(keepends=True)
+    late = [row for row in rows[1:] if int(row.split(",")[0]) > 900]
+    (directory / "contact.csv").write_text("".join([rows[0], *late]))
+    assert only(cut_profiles(directory)).profiles.instants == 2
+
+
 def test_what_holds_no_cut_has_no_profiles(tmp_path: Path) -> None:
     assert cut_profiles(tmp_path) == ()
     directory = run_folder(tmp_path / "a")

@@ -81,8 +81,8 @@ def cut_profiles(directory: Path, wear: tuple[UsuiWear, ...] = ()) -> tuple[CutP
 
     ``wear`` replaces the case's law of the wear rate.
 
-    They come from the records of ``contact.csv`` in the steady window; where there are none (runs of older versions),
-    from the frames of the fields in the window, or else from the last frame.
+    They come from the records of ``contact.csv`` in the steady window; where these don't cover it (runs of older
+    versions), from the frames of the fields in the window, or else from the last frame.
 
     Raises
     ------
@@ -163,6 +163,9 @@ def _recorded(directory: Path, history: Mapping[str, Array], window: SteadyWindo
     steps, loads = read_contact(directory / CONTACT)
     travel = np.interp(steps, history["step"], history["travel"])
     inside = np.flatnonzero(_inside(travel, window))
+    if not inside.size or travel[inside[0]] > 0.5 * (window.begin + window.end):
+        # An older version's run that was taken further has records of its end alone.
+        return _Instants([], [])
     return _Instants([float(travel[i]) for i in inside], [loads[i] for i in inside])
 
 
