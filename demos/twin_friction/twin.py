@@ -1,6 +1,6 @@
 """Forces computed with a known friction, which a calibration then recovers from them: an experiment with itself.
 
-    python demos/twin_friction/twin.py [-o DIR] [--resume | --overwrite] [-j N]
+    python demos/twin_friction/twin.py [-o DIR] [--resume | --overwrite] [--travel MM] [-j N]
 
 A cut is computed with friction 0.3, and its figures written as measurements with an uncertainty of 2 %. The calibration
 begins at 0.1, that of case.toml. It must come back to 0.3 within its interval.
@@ -18,7 +18,7 @@ from pfemcut.calibrate.study import JSON, PNG, TABLE, planned, run_calibration
 from pfemcut.cli.speech import say
 from pfemcut.output.tables import write_csv
 from pfemcut.results.published import KNOWN
-from pfemcut.sweep.plan import Plan, Variant
+from pfemcut.sweep.plan import Plan, Values, Variant
 from pfemcut.sweep.results import outcomes_of
 from pfemcut.sweep.run import require_finished, run_variants
 from pfemcut.validation.options import exit_with, parser, start_of
@@ -32,12 +32,12 @@ FIGURES = ("cutting_force", "thrust_force", "contact_length")
 BOUNDS = "contact.friction=0.05:0.6"
 
 
-def measure(output: Path, jobs: int, *, overwrite: bool) -> Path:
+def measure(output: Path, common: Values, jobs: int, *, overwrite: bool) -> Path:
     """Compute the cuts with the true friction; the file of their figures."""
     variants = tuple(
         Variant(f"depth={depth:g}", {"contact.friction": TRUE, "cutting.depth": depth}) for depth in DEPTHS
     )
-    plan = Plan(FOLDER / "case.toml", output / "truth", {}, variants, FIGURES)
+    plan = Plan(FOLDER / "case.toml", output / "truth", common, variants, FIGURES)
     outcomes = outcomes_of(run_variants(plan, jobs, overwrite=overwrite, say=say))
     require_finished(outcomes)
     rows = []
@@ -58,18 +58,19 @@ def work(arguments: Sequence[str]) -> bool:
     if overwrite:
         shutil.rmtree(output / RUNS, ignore_errors=True)
         shutil.rmtree(output / "truth", ignore_errors=True)
-    measured = measure(output, options.jobs, overwrite=overwrite)
+    common = {} if options.travel is None else {"cutting.travel": options.travel}
+    measured = measure(output, common, options.jobs, overwrite=overwrite)
     study = planned(
         FOLDER / "case.toml",
         measured,
         output,
         fit=[BOUNDS],
-        common={},
+        common=common,
         uncertainty=None,
         controls=Controls(),
     )
     found = run_calibration(study, options.jobs, overwrite=overwrite, say=say)
-    results = FOLDER / "results"
+    results = FOLDER / "results" if options.travel is None else output / "results"
     results.mkdir(exist_ok=True)
     for name in ("measured.csv", TABLE, JSON, "evaluations.csv"):
         shutil.copyfile(output / name, results / name)
