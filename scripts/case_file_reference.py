@@ -22,7 +22,8 @@ PAGE = Path(__file__).resolve().parent.parent / "docs" / "case_file.md"
 INTRODUCTION = """\
 # The case file
 
-A case file is TOML. Units are mm, tonne, s and K (so N, MPa and mJ), angles are in degrees. Unknown keys, wrong types
+A case file is TOML. Plain numbers are in mm, tonne, s and K (so N, MPa and mJ), angles in degrees; text such as
+`"200 m/min"` brings [its own unit](units.md). Unknown keys, wrong types
 and values out of range are errors that name the key. Every run writes the case with all defaults filled in to
 `inputs.resolved.toml`. On the command line, `--set section.key=value` overrides one value, and
 `pfemcut check CASE.toml` validates.
