@@ -1,0 +1,13 @@
+"""Brings the case files of demos/ into the package as its examples; everything else is in pyproject.toml."""
+
+from setuptools import find_packages, setup
+
+setup(
+    packages=[*find_packages(include=["meshing*", "pfemcut*"]), "pfemcut.examples"],
+    package_dir={"pfemcut.examples": "demos"},
+    package_data={
+        "pfemcut.examples": ["*/*.toml"],
+        "pfemcut.materials": ["library/*.toml"],
+        "pfemcut.output": ["templates/*"],
+    },
+)
