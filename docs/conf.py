@@ -58,6 +58,8 @@ napoleon_attr_annotations = False
 suppress_warnings = ["ref.python"]
 
 html_theme = "furo"
+html_static_path = ["static"]
+html_css_files = ["site.css"]
 html_title = f"pfemcut {release}"
 html_show_sphinx = False
 html_show_copyright = False

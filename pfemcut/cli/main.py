@@ -85,7 +85,8 @@ def run(
         Path | None, typer.Option("-o", "--output", metavar="DIR", help="Folder of the results.")
     ] = None,
     travel: Annotated[
-        float | None, typer.Option(metavar="MM", help="Travel of the tool, instead of the case's.")
+        str | None,
+        typer.Option(metavar="LENGTH", help="Travel of the tool, instead of the case's: 1 (mm), or '1 mm'."),
     ] = None,
     overrides: Overrides = [],  # noqa: B006 (typer copies it)
     resume: Annotated[bool, typer.Option("--resume", help="Continue from the last checkpoint.")] = False,
