@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from pydantic import BaseModel
 
 from pfemcut.case.general_schema import GeneralCase
-from pfemcut.case.load import CaseError, load_case, resolved_toml
+from pfemcut.case.load import CaseError, load_case, resolved_toml, validated
 from pfemcut.case.schema import Case
 from pfemcut.inputs import InputError, models_in
 from pfemcut.materials.load import MaterialTable, load_material
@@ -380,3 +380,47 @@ def test_the_page_on_units_is_right() -> None:
         for example in examples.replace("`", "").replace('"', "").split(", "):
             assert in_base_unit(example, kind) > 0.0
     assert {row[1] for row in rows} == {kind.unit for kind in KINDS} - {"MPa/mm"}
+
+
+KEYS = (
+    "workpiece.length",
+    "workpiece.temperature",
+    "tool.rake",
+    "tool.conduction.capacity",
+    "cutting.speed",
+    "contact.conductance",
+    "contact.conductance.value",
+    "contact.friction",
+    "contact.friction.speed",
+    "mesh.growth",
+    "mesh.tip_size",
+    "time.step",
+    "workpiece.material.expansion",
+    "workpiece.material.capacity.value",
+    "workpiece.material.hardening.A",
+)
+
+
+@settings(max_examples=300, deadline=5000)
+@given(key=st.sampled_from(KEYS), text=TEXTS)
+def test_any_text_on_the_command_line_is_a_value_or_a_clear_error(key: str, text: str) -> None:
+    try:
+        load_case(DEMO, [f"{key}={text}"])
+    except CaseError as error:
+        assert all(line and "\n" not in line for line in error.problems)
+
+
+def test_a_wrong_unit_where_a_table_may_stand_is_one_line() -> None:
+    case = {
+        "problem": "general",
+        "body": [{"outline": [[0, 0], [1, 0], [0, 1]], "parts": ["a", "b", "c"], "material": "aisi4340"}],
+        "boundary": [{"part": "a", "temperature": "5 mm", "displacement": {"x": "1 s"}}],
+        "mesh": {"size": 0.5},
+        "time": {"step": 1e-6, "end": 1e-3},
+    }
+    with pytest.raises(CaseError) as error:
+        validated(case, ROOT)
+    lines = error.value.problems
+    assert len(lines) == 2
+    assert "x: given '1 s', which is a time: must be a length" in lines[0]
+    assert "temperature: given '5 mm', which is a length: must be a temperature" in lines[1]
