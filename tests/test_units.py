@@ -17,7 +17,9 @@ from pydantic import BaseModel
 from pfemcut.case.general_schema import GeneralCase
 from pfemcut.case.load import CaseError, load_case, resolved_toml, validated
 from pfemcut.case.schema import Case
+from pfemcut.cli.table import _figure
 from pfemcut.inputs import InputError, models_in
+from pfemcut.materials.describe import described
 from pfemcut.materials.load import MaterialTable, load_material
 from pfemcut.sweep.prepare import prepared
 from pfemcut.sweep.study_file import read_plan
@@ -115,6 +117,14 @@ def test_both_shows_a_second_unit_where_engineers_use_one() -> None:
     assert both(0.1, "mm") == "0.1 mm"
     assert both(30.0, "degree") == "30 degree"
     assert both(0.42, "-") == "0.42"
+
+
+def test_results_and_materials_are_shown_in_both_units() -> None:
+    assert _figure({"mean": 820.0, "std": 1.4, "unit": "K"}).strip() == "820 +- 1.4 K = 546.9 degC"
+    assert _figure({"value": 0.171, "unit": "mm"}).strip() == "0.171 mm"
+    lines = described(load_material("aisi4340", ROOT)).splitlines()
+    density = next(line for line in lines if line.startswith("density"))
+    assert "# 7844 kg/m^3: Density" in density
 
 
 # Mistakes
