@@ -5,9 +5,4 @@ from setuptools import find_packages, setup
 setup(
     packages=[*find_packages(include=["meshing*", "pfemcut*"]), "pfemcut.examples"],
     package_dir={"pfemcut.examples": "demos"},
-    package_data={
-        "pfemcut.examples": ["*/*.toml"],
-        "pfemcut.materials": ["library/*.toml"],
-        "pfemcut.output": ["templates/*"],
-    },
 )

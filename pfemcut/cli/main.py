@@ -1,4 +1,4 @@
-"""The command line: ``pfemcut run | sweep | check | report | materials | examples | new``.
+"""The command line: ``pfemcut run | sweep | check | report | profiles | materials | examples | new``.
 
 Exit status 0 for success (a finished, valid run), 1 for a run that stopped, 2 for bad input, 130 for Ctrl-C.
 Whatever is slow to import (dolfinx, matplotlib) is imported by the command that needs it.
@@ -18,6 +18,7 @@ from pfemcut.case.check import figures, warnings
 from pfemcut.case.load import directed, load_case
 from pfemcut.cli.examples import examples
 from pfemcut.cli.new import new
+from pfemcut.cli.profiles import profiles
 from pfemcut.cli.speech import complain, say
 from pfemcut.cli.sweep import sweep
 from pfemcut.cli.table import result_lines
@@ -125,6 +126,7 @@ def run(
 app.command()(sweep)
 app.command()(examples)
 app.command()(new)
+app.command()(profiles)
 
 
 @app.command()
