@@ -41,6 +41,7 @@ from pfemcut.results.summary import Summary, summarise, write_summary
 if TYPE_CHECKING:
     from pfemcut.case.load import AnyCase
     from pfemcut.materials.material import Material
+    from pfemcut.output.scales import Scales
 
 
 class RunInterrupted(RunStopped):
@@ -100,10 +101,19 @@ def run_case(
     )
 
 
-def report_case(directory: Path) -> None:
+def report_case(directory: Path, *, animation: bool = True, scales: Scales | None = None) -> None:
     """Write figures and report of a cutting case from its output directory alone.
 
     A run that was killed, or goes on, has no summary yet; its history so far makes one.
+
+    Parameters
+    ----------
+    directory
+        Output directory of a run.
+    animation
+        Whether to draw the animation of the chip too.
+    scales
+        Colour scales of fields that replace their own.
 
     Raises
     ------
@@ -120,7 +130,7 @@ def report_case(directory: Path) -> None:
         summary = summary_of(directory, problem, finished=False, ending=ending, warnings=(ending,))
         with writing(directory):
             write_summary(directory / SUMMARY, summary)
-    write_report(directory)
+    write_report(directory, animation=animation, scales=scales)
 
 
 def run_problem(

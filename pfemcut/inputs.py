@@ -141,7 +141,7 @@ def _resolve(
             path.append(part)
             field = owners[0].model_fields[part]
             description = (field.description or "").rstrip(".")
-            holders, inside = inside, _models_in(field.annotation, field.metadata)
+            holders, inside = inside, models_in(field.annotation, field.metadata)
         elif tagged := [candidate for candidate in inside if _has_tag(candidate, part)]:
             inside = tagged
         elif last and unknown_key:
@@ -150,14 +150,14 @@ def _resolve(
     return path, holders, bool(inside), description
 
 
-def _models_in(*annotations: Any) -> list[type[BaseModel]]:
+def models_in(*annotations: Any) -> list[type[BaseModel]]:
     """Every model class mentioned in type annotations."""
     found: list[type[BaseModel]] = []
     for annotation in annotations:
         if isinstance(annotation, type) and issubclass(annotation, BaseModel):
             found.append(annotation)
         else:
-            found.extend(_models_in(*get_args(annotation)))
+            found.extend(models_in(*get_args(annotation)))
     return found
 
 

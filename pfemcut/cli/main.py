@@ -16,6 +16,7 @@ import typer
 
 from pfemcut.case.check import figures, warnings
 from pfemcut.case.load import AnyCase, load_case
+from pfemcut.cli.report import report
 from pfemcut.cli.speech import complain, say
 from pfemcut.cli.sweep import sweep
 from pfemcut.cli.table import result_lines
@@ -131,18 +132,7 @@ def check(case_file: CaseFile, overrides: Overrides = []) -> None:  # noqa: B006
         say(f"warning: {text}")
 
 
-@app.command()
-def report(
-    directory: Annotated[
-        Path, typer.Argument(metavar="DIR", help="Folder of the results.", show_default=False)
-    ],
-) -> None:
-    """Write the figures and the report of a run, also of one that is going on or was killed."""
-    if not (directory / "history.csv").is_file():
-        raise InputError([f"{directory}: no results here (history.csv is missing)"])
-    from pfemcut.driver import report_case
-
-    report_case(directory)
+app.command()(report)
 
 
 @app.command()

@@ -152,8 +152,18 @@ def read_last_frame(directory: Path) -> Frame:
     entries = read_collection(directory)
     if not entries:
         raise FieldsError(f"{directory / COLLECTION}: there are no fields")
-    last = max(entry.step for entry in entries)
-    files = {entry.part: entry for entry in entries if entry.step == last}
+    return read_frame(directory, entries, max(entry.step for entry in entries))
+
+
+def read_frame(directory: Path, entries: list[Entry], step: int) -> Frame:
+    """Read the frame of ``step`` back, one of the collection's ``entries``.
+
+    Raises
+    ------
+    FieldsError
+        If a file is damaged or gone.
+    """
+    files = {entry.part: entry for entry in entries if entry.step == step}
     body = _read(directory / files[BODY_PART].file)
     tool: tuple[RigidWedge, ...] = ()
     blocks: tuple[Block, ...] = ()
@@ -186,7 +196,7 @@ def read_last_frame(directory: Path) -> Frame:
     )
     time = files[BODY_PART].time
     loops = boundary_loops(cells)
-    return Frame(last, time, travel, points, cells, loops, point_fields, cell_fields, tool, contact, blocks)
+    return Frame(step, time, travel, points, cells, loops, point_fields, cell_fields, tool, contact, blocks)
 
 
 def _blocks(tool: meshio.Mesh) -> tuple[Block, ...]:
