@@ -1,4 +1,4 @@
-"""The command line: ``pfemcut run | sweep | check | report | materials``.
+"""The command line: ``pfemcut run | sweep | check | report | watch | materials``.
 
 Exit status 0 for success (a finished, valid run), 1 for a run that stopped, 2 for bad input, 130 for Ctrl-C.
 Whatever is slow to import (dolfinx, matplotlib) is imported by the command that needs it.
@@ -20,6 +20,7 @@ from pfemcut.cli.report import report
 from pfemcut.cli.speech import complain, say
 from pfemcut.cli.sweep import sweep
 from pfemcut.cli.table import result_lines
+from pfemcut.cli.watch import watch
 from pfemcut.inputs import InputError, UserError
 from pfemcut.materials.describe import described
 from pfemcut.materials.load import library_names, load_material
@@ -133,6 +134,7 @@ def check(case_file: CaseFile, overrides: Overrides = []) -> None:  # noqa: B006
 
 
 app.command()(report)
+app.command()(watch)
 
 
 @app.command()
