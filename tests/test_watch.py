@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from launch import TESTS, mpirun
 from rich.console import Console
 from synthetic_cut import filled_frame
 from test_driver import frames_in, run, summary_in
@@ -86,6 +87,16 @@ def test_a_stop_is_obeyed_and_the_run_can_be_resumed(tmp_path: Path) -> None:
     assert (read_checkpoint(stopped).step, asked(stopped), frames_in(stopped)[-1]) == (7, (), 7)
     run(stopped, last=20, resume=True)
     assert (stopped / "history.csv").read_bytes() == (whole / "history.csv").read_bytes()
+
+
+def test_two_ranks_obey_a_request_together(tmp_path: Path) -> None:
+    ended = mpirun(TESTS / "rank_worker.py", "request to stop", tmp_path / "stopped")
+    assert ended.returncode == 1
+    assert "stopped by a request after step 7" in summary_in(tmp_path / "stopped")["ending"]
+    run(tmp_path / "stopped", resume=True)
+    run(tmp_path / "whole")
+    whole, resumed = ((tmp_path / name / "history.csv").read_bytes() for name in ("whole", "stopped"))
+    assert resumed == whole
 
 
 def test_a_request_to_an_earlier_run_is_forgotten(tmp_path: Path) -> None:

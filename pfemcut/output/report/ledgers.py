@@ -105,7 +105,9 @@ def _ledger(
     left = total - sum(map(amount, outgo))
 
     def row(label: str, value: float, meaning: str) -> LedgerRow:
-        return LedgerRow(label, significant(value), f"{value / total:.2%}" if total else "", meaning)
+        # Round-off has no sign.
+        share = f"{value / total:.2%}".replace("-0.00%", "0.00%") if total else ""
+        return LedgerRow(label, significant(value), share, meaning)
 
     def rows(accounts: tuple[Account, ...] | list[Account]) -> tuple[LedgerRow, ...]:
         return tuple(

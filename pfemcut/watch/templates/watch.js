@@ -53,7 +53,7 @@ function plot(id, curves, end, fromZero) {
   }
   for (const v of ticks(0, far)) parts.push(made("text", digits(v, 3), { x: px(v), y: h - bottom + 14, "text-anchor": "middle" }));
   parts.push(made("text", "travel (mm)", { x: (left + w - right) / 2, y: h - 3, "text-anchor": "middle" }));
-  curves.forEach((curve, number) => {
+  curves.forEach(curve => {
     let path = "", pen = "M";
     (columns[curve.column] || []).forEach((v, i) => {
       if (!finite(v)) { pen = "M"; return; }
@@ -61,7 +61,6 @@ function plot(id, curves, end, fromZero) {
       pen = "L";
     });
     parts.push(made("path", "", { d: path, fill: "none", stroke: curve.colour, "stroke-width": 1.4 }));
-    if (curve.label) parts.push(made("text", curve.label, { x: left + 8 + 90 * number, y: top + 12, style: "", fill: curve.colour, "font-weight": "bold" }));
   });
   svg.replaceChildren(...parts);
 }
@@ -119,7 +118,7 @@ async function look() {
     const state = await answer.json();
     show(state);
     await history(state.latest.step);
-    plot("forces", [{ column: "cutting_force", label: "cutting", colour: "#0b5c8c" }, { column: "thrust_force", label: "thrust", colour: "#b3261e" }], state.travel_end, true);
+    plot("forces", [{ column: "cutting_force", colour: "#0b5c8c" }, { column: "thrust_force", colour: "#b3261e" }], state.travel_end, true);
     plot("temperature", [{ column: "max_temperature", colour: "#c96f00" }], state.travel_end, false);
     plot("nodes", [{ column: "nodes", colour: "#2a8a2a" }], state.travel_end, true);
     plot("newton", [{ column: "newton_iterations", colour: "#5b3a8c" }], state.travel_end, true);
