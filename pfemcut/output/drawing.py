@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import matplotlib
@@ -21,6 +20,7 @@ from pfemcut.method import Frame  # noqa: E402
 from pfemcut.output.vtu import boundary_loops  # noqa: E402
 from pfemcut.results.derived.chip_section import to_rake_frame  # noqa: E402
 from pfemcut.tools.rigid_wedge import RigidWedge  # noqa: E402
+from pfemcut.whole_files import replacing  # noqa: E402
 
 Array = NDArray[np.float64]
 
@@ -101,8 +101,7 @@ def draw_tool(axes: Axes, frame: Frame, view: Array) -> None:
 
 def save(figure: Figure, path: Path) -> Path:
     """Write a figure, at once, and close it; return its path."""
-    temporary = path.with_name(path.name + ".tmp")
-    figure.savefig(temporary, format="png", dpi=DOTS_PER_INCH)
+    with replacing(path) as temporary:
+        figure.savefig(temporary, format="png", dpi=DOTS_PER_INCH)
     plt.close(figure)
-    os.replace(temporary, path)
     return path

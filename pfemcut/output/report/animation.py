@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import os
 from pathlib import Path
 
 import matplotlib
@@ -20,6 +19,7 @@ from pfemcut.output.drawing import cutting_zone, draw_outline, draw_tool, seen_t
 from pfemcut.output.figures import FIELDS, FieldPicture, colour_scale  # noqa: E402
 from pfemcut.output.scales import Scales  # noqa: E402
 from pfemcut.output.vtu import read_collection, read_frame  # noqa: E402
+from pfemcut.whole_files import replacing  # noqa: E402
 
 Array = NDArray[np.float64]
 
@@ -72,19 +72,17 @@ def write_animation(directory: Path, figures: Path, depth: float, scales: Scales
     scale = colour_scale(frames[-1], FIELD, scale_view, scales)
     pictures = [_drawn(frame, FIELD, view + np.asarray(frame.tool[0].centre), scale) for frame in frames]
     path = figures / NAME
-    temporary = path.with_name(path.name + ".tmp")
-    durations = [DURATION] * (len(pictures) - 1) + [PAUSE]
-    pictures[0].save(
-        temporary,
-        format="WEBP",
-        save_all=True,
-        append_images=pictures[1:],
-        duration=durations,
-        loop=0,
-        quality=QUALITY,
-        method=4,
-    )
-    os.replace(temporary, path)
+    with replacing(path) as temporary:
+        pictures[0].save(
+            temporary,
+            format="WEBP",
+            save_all=True,
+            append_images=pictures[1:],
+            duration=[DURATION] * (len(pictures) - 1) + [PAUSE],
+            loop=0,
+            quality=QUALITY,
+            method=4,
+        )
     return [path]
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import io
 import json
-import os
 import time
 import tomllib
 from collections.abc import Mapping
@@ -34,6 +33,7 @@ from pfemcut.output.scales import Scales
 from pfemcut.output.vtu import FieldsError, read_last_frame
 from pfemcut.results.derived.steady_window import SteadyWindow, steady_window
 from pfemcut.results.history import HistoryError, read_table
+from pfemcut.whole_files import write_text
 
 Array = NDArray[np.float64]
 
@@ -83,9 +83,7 @@ def write_report(directory: Path, *, animation: bool = True, scales: Scales | No
     except (HistoryError, FieldsError, tomllib.TOMLDecodeError, OSError) as error:
         raise OutputError(f"{directory}: {error}") from error
     path = directory / REPORT
-    temporary = path.with_name(path.name + ".tmp")
-    temporary.write_text(page, encoding="utf-8")
-    os.replace(temporary, path)
+    write_text(path, page)
     return path
 
 
