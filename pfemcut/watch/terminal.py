@@ -21,7 +21,7 @@ from pfemcut.watch.state import RunReader, RunState, Status
 Array = NDArray[np.float64]
 
 BARS = "▁▂▃▄▅▆▇█"
-WIDTH = 60
+WIDTH = 44
 CURVES = (
     ("cutting_force", "Fc", "N/mm"),
     ("thrust_force", "Ft", "N/mm"),
@@ -63,7 +63,7 @@ def view(state: RunState, history: Mapping[str, Array]) -> Panel:
     parts: list[RenderableType] = [Text(progress(state)), bar, table, Text(checkpoint(state), style="dim")]
     parts += [Text(f"warning: {text}", style="yellow") for text in state.warnings]
     # As text: what stands in square brackets in a title is no markup.
-    return Panel(Group(*parts), title=Text(state.title or "run"), title_align="left", width=100)
+    return Panel(Group(*parts), title=Text(state.title or "run"), title_align="left", width=80)
 
 
 def line(state: RunState) -> str:
