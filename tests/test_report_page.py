@@ -19,6 +19,7 @@ from synthetic_cut import CUT, filled_frame
 from pfemcut.case.load import resolved_toml, validated
 from pfemcut.cli.main import status
 from pfemcut.inputs import InputError
+from pfemcut.method import ContactView
 from pfemcut.output.figures import FIELDS, colour_scale
 from pfemcut.output.report import write_report
 from pfemcut.output.report.inputs import tables, unit_and_words
@@ -365,6 +366,33 @@ def test_a_general_case_and_an_unknown_key_have_tables_too() -> None:
     assert rows["0.velocity"].unit == "mm/s"
     assert rows["0.pressure"].unit == "MPa"
     assert material.title == "block: steel"
+
+
+def test_a_problem_without_a_tool_has_a_page_without_forces(tmp_path: Path) -> None:
+    directory = output_directory(tmp_path)
+    (directory / "history.csv").unlink()
+    with TableWriter(directory / "history.csv") as table:
+        for step in range(1, 21):
+            table.append({**history_row(step), "travel": 0.0, "cutting_force": 0.0, "thrust_force": 0.0})
+    frame = filled_frame(6.0, 0.15, spacing=0.05)
+    empty = np.zeros(0)
+    untouched = ContactView(np.zeros(0, dtype=np.int64), empty, empty, empty)
+    FieldWriter(directory).write(replace(frame, step=20, tool=(), contact=untouched))
+    (directory / "inputs.resolved.toml").write_text('problem = "general"\n[time]\nend = 1.0\n')
+    text = write_report(directory).read_text(encoding="utf-8")
+    ids = Page(text).values("id")
+    assert {"inputs", "results", "fields", "ledgers", "figure-energy", "figure-temperature"} <= set(ids)
+    assert not {"forces", "along-the-tool", "figure-chip", "figure-mesh_tip"} & set(ids)
+    assert "steady" not in text.split('id="results"')[1].split("</section>")[0].split("<table>")[0]
+
+
+def test_choices_that_check_warns_of_are_told(tmp_path: Path) -> None:
+    directory = output_directory(tmp_path)
+    path = directory / "inputs.resolved.toml"
+    path.write_text(path.read_text(encoding="utf-8").replace("tip_size = 0.006", "tip_size = 0.02"))
+    text = write_report(directory, animation=False).read_text(encoding="utf-8")
+    told = text.split('id="warnings"')[1].split("</section>")[0]
+    assert "in the case: [mesh] tip_size = 0.02 mm resolves the tip radius of 0.025 mm poorly" in told
 
 
 def test_numbers_of_the_summary_are_those_of_the_page(run: Path, html: str) -> None:

@@ -193,7 +193,7 @@ def write_figures(
     """
     directory.mkdir(exist_ok=True)
     written: list[Path] = []
-    if history["step"].size:
+    if history["travel"].any():
         written.append(save(draw_forces(history, window), directory / "forces.png"))
     if frame.cells.shape[0]:
         view = cutting_zone(frame, depth)

@@ -17,6 +17,9 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from numpy.typing import NDArray
 from PIL import Image
 
+from pfemcut.case.check import warnings
+from pfemcut.case.load import validated
+from pfemcut.inputs import InputError
 from pfemcut.method import Frame
 from pfemcut.output.directory import FIGURES, HISTORY, INPUTS, REPORT, SUMMARY, OutputError
 from pfemcut.output.figures import write_figures
@@ -129,6 +132,8 @@ def _page(
     by_name = {row.name: row for row in results}
     return environment.get_template(TEMPLATE).render(
         summary=summary,
+        cut="cutting" in given,
+        choices=_choices(given, directory),
         written=time.strftime("%Y-%m-%d %H:%M UTC", time.gmtime()),
         duration=duration(summary["wall_time"]["value"]),
         window=_window(history) if rows else SteadyWindow(0.0, 0.0, np.zeros(0), 0.0, 0.0, False, ""),
@@ -146,6 +151,14 @@ def _page(
         inputs=inputs,
         inputs_link=_data("text/plain;charset=utf-8", inputs.encode()),
     )
+
+
+def _choices(given: Mapping[str, Any], directory: Path) -> list[str]:
+    """What ``pfemcut check`` warns of in the case; nothing of a case that this version can't read."""
+    try:
+        return warnings(*validated(given, directory))
+    except InputError:
+        return []
 
 
 def _window(history: Mapping[str, Array]) -> SteadyWindow:
