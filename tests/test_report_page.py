@@ -25,7 +25,7 @@ from pfemcut.output.report import write_report
 from pfemcut.output.report.inputs import tables, unit_and_words
 from pfemcut.output.report.ledgers import energy_ledger, heat_ledger
 from pfemcut.output.report.results import trend
-from pfemcut.output.report.text import converted, shown, with_scatter
+from pfemcut.output.report.text import converted, number, shown, with_scatter
 from pfemcut.output.scales import four_decades, from_zero, given_scales, round_up, temperature_scale
 from pfemcut.output.vtu import FieldWriter
 from pfemcut.results.derived.steady_window import steady_window
@@ -313,6 +313,7 @@ def test_values_in_workshop_units() -> None:
     assert converted(1e4, "N/(mm s K)") == "1e7 W/(m² K)"
     assert converted(True, "mm") == ""
     assert shown(4e7) == "4e7"
+    assert (number(1000.0, 3), number(0.10412, 3), number(-2.02e8, 6)) == ("1000", "0.104", "-2.02e8")
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import matplotlib
@@ -29,8 +30,11 @@ TOOL_COLOUR = "0.75"
 
 
 def cutting_zone(frame: Frame, depth: float) -> Array:
-    """Return the corners of the view (mm): the tool's tip, the whole chip and some material around; shape (2, 2)."""
-    if not frame.tool:
+    """Return the corners of the view (mm): the tool's tip, the whole chip and some material around; shape (2, 2).
+
+    Without a tool, or a depth of cut (nan), that is the whole body.
+    """
+    if not frame.tool or math.isnan(depth):
         return np.array([frame.points.min(axis=0), frame.points.max(axis=0)])
     tool = frame.tool[0]
     lowest = np.asarray(tool.centre) - [0.0, tool.tip_radius]

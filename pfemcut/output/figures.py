@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -187,7 +188,7 @@ def write_figures(
     window
         The steady window.
     depth
-        Depth of cut (mm), which sets the size of the picture.
+        Depth of cut (mm), which sets the size of the picture; nan without a cut.
     scales
         Colour scales that replace the fields' own.
     """
@@ -200,7 +201,7 @@ def write_figures(
         for field in FIELDS:
             figure = draw_field(frame, field, view, colour_scale(frame, field, view, scales))
             written.append(save(figure, directory / f"{field.name}.png"))
-        for tool in frame.tool:
+        for tool in frame.tool if not math.isnan(depth) else ():
             near = tip_zone(tool, depth)
             scale = colour_scale(frame, MESHED, view, scales)
             figure = draw_field(frame, MESHED, near, scale, mesh=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 import threading
 import tomllib
 from pathlib import Path
@@ -28,7 +29,7 @@ class FieldPictures:
     def __init__(self, directory: Path) -> None:
         self._directory = directory
         given = tomllib.loads((directory / INPUTS).read_text(encoding="utf-8"))
-        self._depth = float(given.get("cutting", {}).get("depth", 0.1))
+        self._depth = float(given.get("cutting", {}).get("depth", math.nan))
         self._kept: dict[str, tuple[int, bytes]] = {}
         # matplotlib's pyplot is not made for threads.
         self._drawing = threading.Lock()

@@ -36,6 +36,10 @@ def write_history_figures(directory: Path, history: History) -> list[Path]:
         "convergence": ({"newton_iterations", "dt", "step_cuts"}, draw_convergence),
     }
     along = abscissa(history)[0]
+    # A ledger into which nothing came has nothing to show.
+    for name, accounts in (("energy", ENERGY_IN), ("heat", HEAT_IN)):
+        if not any(history[each.column].any() for each in accounts if each.column in history):
+            del wanted[name]
     written = []
     for name, (columns, draw) in wanted.items():
         if columns <= set(history) and along.size > 1:

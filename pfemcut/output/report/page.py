@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import io
 import json
+import math
 import time
 import tomllib
 from collections.abc import Mapping
@@ -100,12 +101,12 @@ def _draw(
     scales: Scales,
 ) -> None:
     figures = directory / FIGURES
-    depth = float(given.get("cutting", {}).get("depth", 0.1))
+    depth = float(given.get("cutting", {}).get("depth", math.nan))
     write_figures(figures, frame, history, _window(history), depth, scales)
     write_history_figures(figures, history)
     # One of an earlier state would stay.
     (figures / ANIMATION).unlink(missing_ok=True)
-    if animation:
+    if animation and not math.isnan(depth):
         write_animation(directory, figures, depth, scales)
 
 
