@@ -31,7 +31,16 @@ from pfemcut.watch.state import RunReader, Status
 from pfemcut.watch.tail import TableTail
 from pfemcut.watch.terminal import follow, sparkline
 
-INPUTS = 'title = "<b>a</b> [red]"\n[cutting]\nspeed = 1.0\ntravel = 2.0\ndepth = 0.1\n'
+INPUTS = """title = "<b>a</b> [red]"
+[cutting]
+speed = 1.0
+travel = 2.0
+depth = 0.1
+[tool]
+rake = 6.0
+clearance = 5.0
+tip_radius = 0.025
+"""
 
 
 @pytest.fixture

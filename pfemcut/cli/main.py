@@ -1,4 +1,4 @@
-"""The command line: ``pfemcut run | sweep | check | report | watch | materials``.
+"""The command line: ``pfemcut run | sweep | check | report | profiles | watch | materials``.
 
 Exit status 0 for success (a finished, valid run), 1 for a run that stopped, 2 for bad input, 130 for Ctrl-C.
 Whatever is slow to import (dolfinx, matplotlib) is imported by the command that needs it.
@@ -16,6 +16,7 @@ import typer
 
 from pfemcut.case.check import figures, warnings
 from pfemcut.case.load import directed, load_case
+from pfemcut.cli.profiles import profiles
 from pfemcut.cli.report import report
 from pfemcut.cli.speech import complain, say
 from pfemcut.cli.sweep import sweep
@@ -122,6 +123,7 @@ def run(
 
 
 app.command()(sweep)
+app.command()(profiles)
 
 
 @app.command()

@@ -8,6 +8,7 @@ can be made from the output directory alone.
 from __future__ import annotations
 
 import xml.etree.ElementTree as Xml
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -152,18 +153,19 @@ def read_last_frame(directory: Path) -> Frame:
     entries = read_collection(directory)
     if not entries:
         raise FieldsError(f"{directory / COLLECTION}: there are no fields")
-    return read_frame(directory, entries, max(entry.step for entry in entries))
+    last = max(entry.step for entry in entries)
+    return read_frame(directory, [entry for entry in entries if entry.step == last])
 
 
-def read_frame(directory: Path, entries: list[Entry], step: int) -> Frame:
-    """Read the frame of ``step`` back, one of the collection's ``entries``.
+def read_frame(directory: Path, entries: Sequence[Entry]) -> Frame:
+    """Read one frame back, whose files of the collection are ``entries``.
 
     Raises
     ------
     FieldsError
-        If a file is damaged or gone.
+        If a file is damaged.
     """
-    files = {entry.part: entry for entry in entries if entry.step == step}
+    files = {entry.part: entry for entry in entries}
     body = _read(directory / files[BODY_PART].file)
     tool: tuple[RigidWedge, ...] = ()
     blocks: tuple[Block, ...] = ()
@@ -194,7 +196,7 @@ def read_frame(directory: Path, entries: list[Entry], step: int) -> Frame:
         body.point_data["contact_pressure"][particles],
         body.point_data["contact_shear"][particles],
     )
-    time = files[BODY_PART].time
+    step, time = files[BODY_PART].step, files[BODY_PART].time
     loops = boundary_loops(cells)
     return Frame(step, time, travel, points, cells, loops, point_fields, cell_fields, tool, contact, blocks)
 

@@ -64,7 +64,7 @@ def write_animation(directory: Path, figures: Path, depth: float, scales: Scales
         return []
     # The first and the last, and as many between as there may be, evenly.
     chosen = [steps[i] for i in np.unique(np.linspace(0, len(steps) - 1, MOST_FRAMES).round().astype(int))]
-    frames = [read_frame(directory, entries, step) for step in chosen]
+    frames = [read_frame(directory, [entry for entry in entries if entry.step == step]) for step in chosen]
     if not all(frame.tool and frame.cells.size for frame in frames):
         return []
     view = _common_view(frames, depth)

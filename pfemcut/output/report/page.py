@@ -24,6 +24,7 @@ from pfemcut.inputs import InputError
 from pfemcut.method import Frame
 from pfemcut.output.directory import FIGURES, HISTORY, INPUTS, REPORT, SUMMARY, OutputError
 from pfemcut.output.figures import write_figures
+from pfemcut.output.profile_figure import write_profile_figure
 from pfemcut.output.progress import duration
 from pfemcut.output.report.animation import NAME as ANIMATION
 from pfemcut.output.report.animation import write_animation
@@ -104,6 +105,7 @@ def _draw(
     depth = float(given.get("cutting", {}).get("depth", math.nan))
     write_figures(figures, frame, history, _window(history), depth, scales)
     write_history_figures(figures, history)
+    write_profile_figure(directory)
     # One of an earlier state would stay.
     (figures / ANIMATION).unlink(missing_ok=True)
     if animation and not math.isnan(depth):

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
 
+from pfemcut.output.report.text import number
+
 
 class Section(Enum):
     """Sections of the page that hold pictures, in order; the value is the anchor."""
@@ -81,6 +83,12 @@ PICTURES = (
         "tangent point; each dot is a particle in contact.",
     ),
     Picture(
+        "tool_profiles.png",
+        Section.TOOL,
+        "Along the tool, means over the instants recorded in the steady window; bands are one standard deviation to "
+        "each side.",
+    ),
+    Picture(
         "energy.png",
         Section.LEDGERS,
         "Above, what the tool's work became, stacked; below, the part that no account explains.",
@@ -96,7 +104,13 @@ PICTURES = (
     ),
 )
 
-TABLES: tuple[Table, ...] = ()
+TABLES: tuple[Table, ...] = (
+    Table(
+        "tool_profiles.csv",
+        Section.TOOL,
+        "Profiles along the tool (mm, N/mm², mm/s, K): means over the recorded instants of the steady window",
+    ),
+)
 
 MOST_ROWS = 60
 
@@ -122,8 +136,16 @@ def found_tables(directory: Path) -> dict[Section, list[FoundTable]]:
             continue
         with path.open(encoding="utf-8", newline="") as file:
             header, *rows = list(csv.reader(file)) or [[]]
-        shown = tuple(tuple(row) for row in rows[:MOST_ROWS])
+        shown = tuple(tuple(_cell(text) for text in row) for row in rows[:MOST_ROWS])
         found[table.section].append(
             FoundTable(table.caption, table.file, tuple(header), shown, len(rows) - len(shown))
         )
     return found
+
+
+def _cell(text: str) -> str:
+    """A cell with numbers to four digits."""
+    try:
+        return number(float(text), 4)
+    except (ValueError, OverflowError):
+        return text

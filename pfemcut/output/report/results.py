@@ -73,7 +73,7 @@ def result_rows(
     rows = []
     for item in FIGURES:
         figure = summary.get(item.name, {})
-        if item.taken is not Taken.WINDOW or not figure:
+        if item.taken is Taken.LAST or not figure:
             continue
         mean, std = figure_mean(summary, item.name), figure_std(summary, item.name)
         value, scatter = with_scatter(mean, std)

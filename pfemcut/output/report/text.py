@@ -56,6 +56,8 @@ def figure_text(figure: Mapping[str, Any]) -> str:
 
 def number(value: float, digits: int) -> str:
     """Return ``value`` with at most so many significant digits; 2e8 rather than 200000000 or 2e+08."""
+    if not math.isfinite(value):
+        return f"{value:g}"
     rounded = float(f"{value:.{digits - 1}e}")
     text = f"{rounded:.10g}" if abs(rounded) < 1e6 else f"{rounded:.9e}"
     mantissa, _, exponent = text.partition("e")
