@@ -30,6 +30,7 @@ from pfemcut.output.directory import (
 )
 from pfemcut.output.progress import progress_display
 from pfemcut.output.recorder import Recorder
+from pfemcut.output.requests import Request, asked, done
 from pfemcut.output.tool_profiles import cut_profiles, write_table
 from pfemcut.problem import Cut, Problem
 from pfemcut.ranks import Ranks, RanksDiffer, SignalNotes
@@ -45,6 +46,7 @@ from pfemcut.results.summary import Summary, summarise, write_summary
 if TYPE_CHECKING:
     from pfemcut.case.load import AnyCase
     from pfemcut.materials.material import Material
+    from pfemcut.output.scales import Scales
 
 
 class RunInterrupted(RunStopped):
@@ -104,10 +106,19 @@ def run_case(
     )
 
 
-def report_case(directory: Path) -> None:
+def report_case(directory: Path, *, animation: bool = True, scales: Scales | None = None) -> None:
     """Write figures and report of a cutting case from its output directory alone.
 
     A run that was killed, or goes on, has no summary yet; its history so far makes one.
+
+    Parameters
+    ----------
+    directory
+        Output directory of a run.
+    animation
+        Whether to draw the animation of the chip too.
+    scales
+        Colour scales of fields that replace their own.
 
     Raises
     ------
@@ -124,7 +135,7 @@ def report_case(directory: Path) -> None:
         summary = summary_of(directory, problem, finished=False, ending=ending, warnings=(ending,))
         with writing(directory):
             write_summary(directory / SUMMARY, summary)
-    write_report(directory)
+    write_report(directory, animation=animation, scales=scales)
 
 
 def run_problem(
@@ -166,7 +177,8 @@ def run_problem(
     Raises
     ------
     RunStopped
-        If the method can't go on, or (:class:`RunInterrupted`) on SIGINT, SIGTERM or SIGUSR1. Outputs and a checkpoint
+        If the method can't go on, or (:class:`RunInterrupted`) on SIGINT, SIGTERM, SIGUSR1 or a
+        request (:mod:`pfemcut.output.requests`). Outputs and a checkpoint
         of the last finished step are written, and a summary that says ``finished: false``. After
         :class:`pfemcut.ranks.RanksDiffer` the last checkpoint is that of an earlier step.
     OutputError, CheckpointError
@@ -175,6 +187,8 @@ def run_problem(
     ranks = Ranks(communicator)
     with ranks.together():
         ranks.on_first(lambda: prepare_directory(directory, resume=resume, overwrite=overwrite))
+        # What was asked of an earlier run, which ended before it came to it.
+        ranks.on_first(lambda: done(directory, *Request))
         last_step = -1
         warnings: tuple[str, ...] = ()
         if resume:
@@ -262,12 +276,7 @@ class _Run:
                     measures = self._advance()
                     self._record(measures, begun)
                     progress.show(measures)
-                    number = self._ranks.largest(signals.noted)
-                    if number and not method.finished:
-                        raise RunInterrupted(
-                            f"stopped by {signal.Signals(number).name} after step {measures.step}, "
-                            f"travel {measures.travel:.4f} mm; it can be resumed"
-                        )
+                    self._obey(measures, self._ranks.largest(signals.noted))
         except CutEnded as ended:
             return self._finish(finished=True, ending=str(ended), warnings=(str(ended),))
         except RanksDiffer:
@@ -276,6 +285,20 @@ class _Run:
             self._finish(finished=False, ending=str(stopped), warnings=(str(stopped),))
             raise
         return self._finish(finished=True, ending="reached its final time")
+
+    def _obey(self, measures: Measures, number: int) -> None:
+        """Do what was asked for during a step, by the signal of that number or by requests in the directory."""
+        requests = self._ranks.on_first(lambda: asked(self._directory))
+        if Request.CHECKPOINT in requests:
+            self._record_checkpoint(measures.step)
+        if requests:
+            self._ranks.on_first(lambda: done(self._directory, *requests))
+        by = signal.Signals(number).name if number else "a request"
+        if (number or Request.STOP in requests) and not self._method.finished:
+            raise RunInterrupted(
+                f"stopped by {by} after step {measures.step}, "
+                f"travel {measures.travel:.4f} mm; it can be resumed"
+            )
 
     def _advance(self) -> Measures:
         """Advance one step, to which all ranks must come to the same outcome; its measures, or its error."""

@@ -22,9 +22,11 @@ from pfemcut.cli.converge import converge
 from pfemcut.cli.examples import examples
 from pfemcut.cli.new import new
 from pfemcut.cli.profiles import profiles
+from pfemcut.cli.report import report
 from pfemcut.cli.speech import complain, say
 from pfemcut.cli.sweep import sweep
 from pfemcut.cli.table import result_lines
+from pfemcut.cli.watch import watch
 from pfemcut.inputs import InputError, UserError
 from pfemcut.materials.describe import described
 from pfemcut.materials.load import library_names, load_material
@@ -145,18 +147,8 @@ def check(case_file: CaseFile, overrides: Overrides = []) -> None:  # noqa: B006
         say(f"warning: {text}")
 
 
-@app.command()
-def report(
-    directory: Annotated[
-        Path, typer.Argument(metavar="DIR", help="Folder of the results.", show_default=False)
-    ],
-) -> None:
-    """Write the figures and the report of a run, also of one that is going on or was killed."""
-    if not (directory / "history.csv").is_file():
-        raise InputError([f"{directory}: no results here (history.csv is missing)"])
-    from pfemcut.driver import report_case
-
-    report_case(directory)
+app.command()(report)
+app.command()(watch)
 
 
 @app.command()
