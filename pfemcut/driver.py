@@ -11,7 +11,7 @@ import signal
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -30,6 +30,7 @@ from pfemcut.output.directory import (
 )
 from pfemcut.output.progress import progress_display
 from pfemcut.output.recorder import Recorder
+from pfemcut.output.surface import surface_figures
 from pfemcut.problem import Cut, Problem
 from pfemcut.ranks import Ranks, RanksDiffer, SignalNotes
 from pfemcut.results.checkpoint import Checkpoint, State, read_checkpoint, require_same_case
@@ -114,8 +115,10 @@ def report_case(directory: Path) -> None:
     from pfemcut.case.translate import problem_of
     from pfemcut.output.report import write_report
 
+    problem = problem_of(*validated(read_toml(directory / INPUTS), directory), directory)
+    # Writes its tables anew.
+    surface_figures(directory, problem)
     if not (directory / SUMMARY).exists():
-        problem = problem_of(*validated(read_toml(directory / INPUTS), directory), directory)
         ending = "had not ended when this was written"
         summary = summary_of(directory, problem, finished=False, ending=ending, warnings=(ending,))
         with writing(directory):
@@ -194,7 +197,7 @@ def summary_of(
     none = {name: np.zeros(0) for name in CORE_COLUMNS}
     cut, tool = problem.cut, problem.tool
     columns = (read_table(history) or none) if history.exists() else none
-    return summarise(
+    summary = summarise(
         columns,
         read_table(timing) if timing.exists() else {},
         title=problem.title,
@@ -204,6 +207,7 @@ def summary_of(
         rake=tool[0].shape.rake if tool else math.nan,
         warnings=(*warnings, *(tool_warnings(problem, columns["time"][-1]) if columns["time"].size else ())),
     )
+    return replace(summary, figures={**summary.figures, **surface_figures(directory, problem)})
 
 
 class _Run:
@@ -288,7 +292,7 @@ class _Run:
         self._pending = [measures]
         if step % controls.history_every == 0:
             self._record_row()
-        if step % controls.every == 0:
+        if step % controls.every == 0 or self._problem.ends_stage(measures.time):
             self._record_frame()
         if step % controls.checkpoint_every == 0:
             self._record_checkpoint(step)

@@ -42,6 +42,7 @@ from pfemcut.problem import (
 from pfemcut.tools.rigid_wedge import RigidWedge
 
 _DEPTHS_AWAY = 2.0
+_BENDING = 3.0
 _COOLING = 20.0  # 50 times the time constant 4 H² / (pi² a) of a layer H with a cold bottom
 
 TOOL = "tool"
@@ -58,6 +59,9 @@ def cutting_problem(case: Case, material: Material) -> Problem:
     length, height = case.workpiece.length, case.workpiece.height
     tool = starting_tool(case)
     mesh = case.mesh
+    sizes = size_field(mesh, tool, case.cutting.depth, height)
+    if case.workpiece.end == "free":
+        sizes = replace(sizes, zones=(*sizes.zones, exit_zone(mesh, case.cutting.depth, height)))
     velocity = (-case.cutting.speed, 0.0)
     moving = moving_tool(tool, velocity, case.tool)
     given = case.tool.body
@@ -92,7 +96,7 @@ def cutting_problem(case: Case, material: Material) -> Problem:
         ),
         contact=contact_law(case.contact),
         self_contact=self_contact(case.contact.self, mesh.chip_size, material),
-        particles=particle_controls(mesh, size_field(mesh, tool, case.cutting.depth, height), velocity),
+        particles=particle_controls(mesh, sizes, velocity),
         time=time_controls(case.time, end),
         newton=newton_controls(case.solver),
         stabilisation=case.solver.stabilisation,
@@ -248,3 +252,9 @@ def size_field(mesh: Mesh, tool: RigidWedge, depth: float, surface: float) -> Si
         ),
         far_size=mesh.far_size,
     )
+
+
+def exit_zone(mesh: Mesh, depth: float, surface: float) -> SizeZone:
+    """What the tool pushes out through the free end x = 0, and this face down to where it bends, three depths."""
+    below = surface - _BENDING * depth
+    return SizeZone(Box((-math.inf, below), (0.0, math.inf)), mesh.shear_zone_size, mesh.growth, still=True)

@@ -18,8 +18,9 @@ SUMMARY = "summary.json"
 INPUTS = "inputs.resolved.toml"
 FIGURES = "figures"
 REPORT = "report.html"
+RESIDUAL = "residual.csv"
 
-OURS = (HISTORY, TIMING, SUMMARY, INPUTS, FIGURES, REPORT, COLLECTION, FOLDER, NAME, PREVIOUS)
+OURS = (HISTORY, TIMING, SUMMARY, INPUTS, RESIDUAL, FIGURES, REPORT, COLLECTION, FOLDER, NAME, PREVIOUS)
 
 
 class OutputError(UserError):
@@ -29,7 +30,7 @@ class OutputError(UserError):
 def remove_conclusions(directory: Path) -> None:
     """Remove what the end of an earlier run concluded: summary, report and figures."""
     with writing(directory):
-        for name in (SUMMARY, REPORT):
+        for name in (SUMMARY, REPORT, RESIDUAL):
             (directory / name).unlink(missing_ok=True)
         shutil.rmtree(directory / FIGURES, ignore_errors=True)
 

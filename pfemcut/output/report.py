@@ -16,6 +16,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from pfemcut.output.directory import FIGURES, HISTORY, INPUTS, REPORT, SUMMARY, OutputError
 from pfemcut.output.figures import write_figures
 from pfemcut.output.progress import duration
+from pfemcut.output.surface_pictures import write_surface_pictures
 from pfemcut.output.vtu import FieldsError, read_last_frame
 from pfemcut.results.definitions import FIGURES as DEFINITIONS
 from pfemcut.results.derived.steady_window import steady_window
@@ -87,14 +88,23 @@ def figure_text(figure: Mapping[str, Any]) -> str:
 def _pictures(directory: Path, inputs: str) -> list[Path]:
     try:
         history = read_table(directory / HISTORY)
-        frame = read_last_frame(directory)
+        frame = read_last_frame(directory, until=_cut_end(inputs))
     except (HistoryError, FieldsError, OSError) as error:
         raise OutputError(str(error)) from error
     depth = float(tomllib.loads(inputs).get("cutting", {}).get("depth", 0.1))
     if not history or history["step"].size == 0:
         return []
     window = steady_window(history["travel"], history["cutting_force"])
-    return write_figures(directory / FIGURES, frame, history, window, depth)
+    return [
+        *write_figures(directory / FIGURES, frame, history, window, depth),
+        *write_surface_pictures(directory),
+    ]
+
+
+def _cut_end(inputs: str) -> float:
+    """When a cut ends (s), whose pictures show it under load; inf for other problems."""
+    cutting = tomllib.loads(inputs).get("cutting", {})
+    return float(cutting["travel"] / cutting["speed"]) if cutting else math.inf
 
 
 def _result(label: str, meaning: str, figure: Mapping[str, Any]) -> dict[str, str]:

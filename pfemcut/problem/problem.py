@@ -312,6 +312,10 @@ class Problem:
         """Final time of the last stage (s)."""
         return (self, *self.after)[-1].time.end
 
+    def ends_stage(self, time: float) -> bool:
+        """Whether a stage ends at ``time`` (s)."""
+        return any(abs(time - stage.time.end) <= _SAME * stage.time.end for stage in (self, *self.after))
+
     def ending(self, time: float) -> Problem:
         """The stage of a step that ended at ``time`` (s)."""
         stages = (self, *self.after)

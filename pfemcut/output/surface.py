@@ -1,0 +1,48 @@
+"""What a cut leaves on the workpiece, from its last frame: ``residual.csv`` and the figures of the summary."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from pfemcut.output.directory import RESIDUAL, writing
+from pfemcut.output.tables import write_csv
+from pfemcut.output.vtu import read_collection, read_last_frame
+from pfemcut.problem import Problem
+from pfemcut.results.derived.residual import (
+    QUANTITIES,
+    ResidualProfile,
+    machined_surface,
+    residual_figures,
+    residual_profile,
+)
+
+Figures = dict[str, dict[str, float | str]]
+
+
+def surface_figures(directory: Path, problem: Problem) -> Figures:
+    """Measure the machined surface of a run that has unloaded, write ``residual.csv``, and return the figures.
+
+    There are none as long as the tool has not withdrawn.
+    """
+    if not problem.cut or not problem.after or not read_collection(directory):
+        return {}
+    frame = read_last_frame(directory)
+    if frame.time <= problem.time.end * (1.0 + 1e-9):
+        return {}
+    figures: Figures = {}
+    for surface in machined_surface(problem):
+        profile = residual_profile(frame, surface)
+        with writing(directory):
+            write_residual(directory / RESIDUAL, profile)
+        figures.update(residual_figures(profile))
+    return figures
+
+
+def write_residual(path: Path, profile: ResidualProfile) -> None:
+    """Write the profiles against depth: mean and standard deviation of each quantity (mm, MPa, -, K)."""
+    columns = {"depth": profile.depth}
+    for name in QUANTITIES:
+        columns[name] = profile.mean[name]
+        columns[f"{name}_std"] = profile.std[name]
+    rows = [[f"{values[i]:.6g}" for values in columns.values()] for i in range(len(profile.depth))]
+    write_csv(path, list(columns), rows)
