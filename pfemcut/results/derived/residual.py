@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from meshing.interpolate import interpolate
 from pfemcut.method import Frame
 from pfemcut.problem import Problem
+from pfemcut.results.derived.patch_recovery import recovered, triangle_areas
 from pfemcut.results.derived.rays import first_crossing, loop_edges
 
 Array = NDArray[np.float64]
@@ -101,8 +102,8 @@ def residual_profile(frame: Frame, surface: MachinedSurface) -> ResidualProfile:
     count = len(frame.points)
     fields = np.column_stack(
         [
-            nodal_means(frame, frame.cell_fields["cauchy_stress"]),
-            nodal_means(frame, frame.cell_fields["equivalent_plastic_strain"][:, None]),
+            recovered(frame, frame.cell_fields["cauchy_stress"]),
+            recovered(frame, frame.cell_fields["equivalent_plastic_strain"][:, None]),
             np.asarray(frame.point_fields["temperature"], dtype=np.float64).reshape(count, 1),
         ]
     )
@@ -138,15 +139,6 @@ def surface_heights(frame: Frame, surface: MachinedSurface, x: Array) -> Array:
         outward=True,
     )
     return origins[:, 1] + distance
-
-
-def nodal_means(frame: Frame, values: Array) -> Array:
-    """Area-weighted means around each particle of element ``values`` (m, c); shape (n, c)."""
-    area = _areas(frame.points[frame.cells])
-    particles, count = frame.cells.ravel(), len(frame.points)
-    total = np.bincount(particles, np.repeat(area, 3), minlength=count)
-    sums = [np.bincount(particles, np.repeat(area * each, 3), minlength=count) for each in values.T]
-    return np.column_stack(sums) / np.where(total > 0.0, total, 1.0)[:, None]
 
 
 def residual_figures(profile: ResidualProfile) -> dict[str, dict[str, float | str]]:
@@ -204,14 +196,9 @@ def _section(frame: Frame, surface: MachinedSurface) -> tuple[float, float]:
 def _area_left_of(corners: Array, x: float) -> Array:
     """Area of each triangle (m, 3, 2) on the left of the vertical through ``x``; shape (m,)."""
     first, second, third = np.sort(corners[:, :, 0], axis=1).T
-    area = _areas(corners)
+    area = triangle_areas(corners)
     width = np.maximum(third - first, 1e-300)
     rising = np.clip(x - first, 0.0, second - first) ** 2 / np.maximum((second - first) * width, 1e-300)
     falling = np.clip(third - x, 0.0, third - second) ** 2 / np.maximum((third - second) * width, 1e-300)
     share = np.where(x <= second, rising, 1.0 - falling)
     return area * np.where(x >= third, 1.0, np.where(x <= first, 0.0, share))
-
-
-def _areas(corners: Array) -> Array:
-    one, two = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    return 0.5 * np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])

@@ -17,7 +17,6 @@ from pfemcut.problem import Axis, Cooling, Problem, Release, fixed, relaxed
 from pfemcut.results.derived.residual import (
     MachinedSurface,
     ResidualProfile,
-    nodal_means,
     residual_profile,
 )
 
