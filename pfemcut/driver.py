@@ -33,7 +33,13 @@ from pfemcut.output.recorder import Recorder
 from pfemcut.output.surface import surface_figures
 from pfemcut.problem import Cut, Problem
 from pfemcut.ranks import Ranks, RanksDiffer, SignalNotes
-from pfemcut.results.checkpoint import Checkpoint, State, read_checkpoint, require_same_case
+from pfemcut.results.checkpoint import (
+    Checkpoint,
+    State,
+    read_checkpoint,
+    require_same_case,
+    require_still_cutting,
+)
 from pfemcut.results.derived.columns import derived_columns
 from pfemcut.results.derived.tool_heating import tool_warnings
 from pfemcut.results.history import CORE_COLUMNS, read_table
@@ -182,6 +188,7 @@ def run_problem(
             ranks.on_first(lambda: remove_conclusions(directory))
             last_step, warnings = checkpoint.step, checkpoint.warnings
             method = factory.restore(checkpoint.state)
+            require_still_cutting(checkpoint.resolved_case, inputs, method.measure().time)
         else:
             method = factory.start()
         run = _Run(problem, method, directory, controls, ranks, warnings)

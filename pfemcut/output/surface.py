@@ -8,6 +8,7 @@ from pfemcut.output.directory import RESIDUAL, writing
 from pfemcut.output.tables import write_csv
 from pfemcut.output.vtu import read_collection, read_last_frame
 from pfemcut.problem import Problem
+from pfemcut.results.derived.burr import FACE, burr_figures, exit_burr, has_left
 from pfemcut.results.derived.residual import (
     QUANTITIES,
     ResidualProfile,
@@ -35,6 +36,8 @@ def surface_figures(directory: Path, problem: Problem) -> Figures:
         with writing(directory):
             write_residual(directory / RESIDUAL, profile)
         figures.update(residual_figures(profile))
+    for burr in exit_burr(frame, FACE) if has_left(problem) else ():
+        figures.update(burr_figures(burr))
     return figures
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -11,10 +12,16 @@ matplotlib.use("Agg")
 
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
+from matplotlib.axes import Axes  # noqa: E402
 from matplotlib.figure import Figure  # noqa: E402
+from matplotlib.tri import Triangulation  # noqa: E402
 from numpy.typing import NDArray  # noqa: E402
 
-from pfemcut.output.directory import FIGURES, RESIDUAL  # noqa: E402
+from pfemcut.method import Frame  # noqa: E402
+from pfemcut.output.directory import FIGURES, RESIDUAL, SUMMARY  # noqa: E402
+from pfemcut.output.figures import nodal_average  # noqa: E402
+from pfemcut.output.vtu import read_last_frame  # noqa: E402
+from pfemcut.results.derived.burr import FACE, Burr, exit_burr  # noqa: E402
 from pfemcut.results.history import read_table  # noqa: E402
 
 Array = NDArray[np.float64]
@@ -25,15 +32,71 @@ SHOWN = 1.3
 
 
 def write_surface_pictures(directory: Path) -> list[Path]:
-    """Draw ``figures/residual.png`` of an output directory that has ``residual.csv``; the paths written."""
-    if not (directory / RESIDUAL).exists():
-        return []
-    (directory / FIGURES).mkdir(exist_ok=True)
-    path = directory / FIGURES / "residual.png"
-    figure = draw_residual(read_table(directory / RESIDUAL))
-    figure.savefig(path, dpi=DOTS_PER_INCH, metadata={"Software": None})
-    plt.close(figure)
-    return [path]
+    """Draw ``figures/residual.png`` and ``burr.png`` of an output directory that has them; the paths written."""
+    drawn: dict[str, Figure] = {}
+    if (directory / RESIDUAL).exists():
+        drawn["residual"] = draw_residual(read_table(directory / RESIDUAL))
+    if "burr_height" in json.loads((directory / SUMMARY).read_text(encoding="utf-8")):
+        frame = read_last_frame(directory)
+        for burr in exit_burr(frame, FACE):
+            drawn["burr"] = draw_burr(frame, burr)
+    paths = []
+    for name, figure in drawn.items():
+        paths.append(directory / FIGURES / f"{name}.png")
+        paths[-1].parent.mkdir(exist_ok=True)
+        figure.savefig(paths[-1], dpi=DOTS_PER_INCH, metadata={"Software": None})
+        plt.close(figure)
+    return paths
+
+
+def draw_burr(frame: Frame, burr: Burr) -> Figure:
+    """The workpiece's end with the burr, its height and its thicknesses, over the plastic strain."""
+    figure, axes = plt.subplots(figsize=(7.5, 5.5), layout="constrained")
+    strain = nodal_average(frame, frame.cell_fields["equivalent_plastic_strain"])
+    levels = np.linspace(0.0, max(float(np.percentile(strain, 98.0)), 1e-3), 21)
+    image = axes.tricontourf(
+        Triangulation(frame.points[:, 0], frame.points[:, 1], frame.cells),
+        np.minimum(strain, levels[-1]),
+        levels=levels,
+        cmap="viridis",
+    )
+    for loop in frame.loops:
+        axes.plot(*frame.points[np.append(loop, loop[0])].T, color="black", linewidth=0.8)
+    low = float(frame.points[frame.points[:, 0] < FACE, 1].min(initial=burr.root_top - burr.root_thickness))
+    axes.axvline(FACE, color="tab:red", linestyle="--", linewidth=1.0)
+    for at, top, thickness, name in (
+        (burr.root, burr.root_top, burr.root_thickness, "root"),
+        (burr.neck, burr.neck_top, burr.neck_thickness, "neck"),
+    ):
+        x = FACE - at
+        axes.plot([x, x], [top - thickness, top], color="tab:red", marker="_", markersize=10)
+        axes.annotate(
+            f"{name} {thickness:.3f} mm",
+            (x, top),
+            (x, top + 0.12 * burr.overhang),
+            color="tab:red",
+            ha="center",
+            arrowprops={"arrowstyle": "-", "color": "tab:red", "linewidth": 0.7},
+        )
+    below = low - 0.1 * burr.overhang
+    axes.annotate(
+        "", (FACE, below), (FACE - burr.neck, below), arrowprops={"arrowstyle": "<->", "color": "tab:red"}
+    )
+    axes.text(
+        FACE - 0.5 * burr.neck, below, f"height {burr.height:.3f} mm", color="tab:red", ha="center", va="top"
+    )
+    axes.plot([FACE - burr.neck] * 2, [below, burr.neck_top], color="tab:red", linewidth=0.6, linestyle=":")
+    highest = float(frame.points[:, 1].max())
+    axes.set(
+        title="Burr and chip at the end face (dashed: where it was)",
+        xlabel="x (mm)",
+        ylabel="y (mm)",
+        xlim=(FACE - 1.15 * burr.overhang, FACE + 0.7 * burr.overhang),
+        ylim=(below - 0.2 * burr.overhang, highest + 0.25 * burr.overhang),
+    )
+    axes.set_aspect("equal")
+    figure.colorbar(image, ax=axes, label="equivalent plastic strain (-)", shrink=0.8)
+    return figure
 
 
 def draw_residual(table: Mapping[str, Array]) -> Figure:
@@ -65,9 +128,7 @@ def draw_residual(table: Mapping[str, Array]) -> Figure:
     return figure
 
 
-def _band(
-    axes: plt.Axes, depth: Array, table: Mapping[str, Array], name: str, label: str, colour: str
-) -> None:
+def _band(axes: Axes, depth: Array, table: Mapping[str, Array], name: str, label: str, colour: str) -> None:
     mean, std = table[name], table[f"{name}_std"]
     axes.plot(depth, mean, color=colour, label=label)
     axes.fill_between(depth, mean - std, mean + std, color=colour, alpha=0.2, linewidth=0.0)

@@ -23,6 +23,8 @@ from pfemcut.results.derived.rays import loop_edges
 
 Array = NDArray[np.float64]
 
+FACE = 0.0
+"""Where the end face of a cut's workpiece is (mm in x)."""
 SECTIONS = 400
 ROOT = 1.25
 """The root is the first section less thick than this times the median up to the neck."""
@@ -58,36 +60,36 @@ class Burr:
         return self.neck
 
 
-def exit_burr(problem: Problem, frame: Frame) -> tuple[Burr, ...]:
-    """The burr of a cut whose tool has left through x = 0; none if it has not, or if nothing stands out."""
-    face = min(x for x, _ in problem.body.outline)
+def has_left(problem: Problem) -> bool:
+    """Whether the tool of a cut has left through the end face at the end of its travel."""
+    return any(problem.tool[0].at(problem.time.end).centre[0] <= FACE for _ in problem.cut)
+
+
+def exit_burr(frame: Frame, face: float) -> tuple[Burr, ...]:
+    """The burr on the end face x = ``face`` (mm); none if nothing stands out of it."""
     overhang = face - float(frame.points[:, 0].min())
-    for _ in problem.cut:
-        tool = problem.tool[0].at(problem.time.end)
-        if tool.centre[0] > face or overhang <= 0.0:
-            return ()
-        away = overhang * (np.arange(SECTIONS) + 0.5) / SECTIONS
-        top, thickness = topmost(frame, face - away)
-        # Only up to where the chip ends, and before anything that it may have behind it.
-        known = np.flatnonzero(~np.isfinite(top))
-        reached = int(known[0]) if known.size else SECTIONS
-        if reached == 0:
-            return ()
-        neck = _neck(thickness[:reached])
-        within = thickness[: neck + 1]
-        root = int(np.argmax(within < ROOT * np.median(within)))
-        return (
-            Burr(
-                root=float(away[root]),
-                root_thickness=float(thickness[root]),
-                root_top=float(top[root]),
-                neck=float(away[neck]),
-                neck_thickness=float(thickness[neck]),
-                neck_top=float(top[neck]),
-                overhang=overhang,
-            ),
-        )
-    return ()
+    if overhang <= 0.0:
+        return ()
+    away = overhang * (np.arange(SECTIONS) + 0.5) / SECTIONS
+    top, thickness = topmost(frame, face - away)
+    empty = np.flatnonzero(~np.isfinite(top))
+    reached = int(empty[0]) if empty.size else SECTIONS
+    if reached == 0:
+        return ()
+    neck = _neck(thickness[:reached])
+    within = thickness[: neck + 1]
+    root = int(np.argmax(within < ROOT * np.median(within)))
+    return (
+        Burr(
+            root=float(away[root]),
+            root_thickness=float(thickness[root]),
+            root_top=float(top[root]),
+            neck=float(away[neck]),
+            neck_thickness=float(thickness[neck]),
+            neck_top=float(top[neck]),
+            overhang=overhang,
+        ),
+    )
 
 
 def burr_figures(burr: Burr) -> dict[str, dict[str, float | str]]:

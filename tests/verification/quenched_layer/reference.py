@@ -21,6 +21,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.integrate import trapezoid
 
 Array = NDArray[np.float64]
 
@@ -48,6 +49,6 @@ def released(depth: Array, stress: Array) -> tuple[Array, Array]:
     one = np.ones_like(depth)
     basis = np.column_stack([one, depth])
     # The line with the same force and moment, integrals by the trapezoidal rule.
-    gram = np.trapz(basis[:, :, None] * basis[:, None, :], depth, axis=0)
-    line = basis @ np.linalg.solve(gram, np.trapz(basis * stress[:, None], depth, axis=0))
+    gram = trapezoid(basis[:, :, None] * basis[:, None, :], depth, axis=0)
+    line = basis @ np.linalg.solve(gram, trapezoid(basis * stress[:, None], depth, axis=0))
     return stress - line, stress - POISSON_RATIO * line

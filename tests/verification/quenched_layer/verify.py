@@ -8,6 +8,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
+from scipy.integrate import trapezoid
 
 from pfemcut.case.load import validated
 from pfemcut.case.translate import problem_of
@@ -122,7 +123,7 @@ def figures(found: Quench) -> dict[str, float]:
         "plastic_strain_largest_%": 100.0
         * float(np.abs(profile.mean["plastic_strain"] - strain).max() / strain.max()),
         "force": profile.section_force,
-        "exact_force": float(np.trapz(stress, profile.depth)),
+        "exact_force": float(trapezoid(stress, profile.depth)),
         "warmest": float(profile.mean["temperature"].max()),
         "heat_error": float(ends["heat_error"]),
     }
@@ -147,7 +148,7 @@ def released_figures(before: Quench, after: Quench) -> dict[str, float]:
 
 def _rms(profile: ResidualProfile, error: Array) -> float:
     """Root mean square over the depth."""
-    return float(np.sqrt(np.trapz(error**2, profile.depth) / profile.depth[-1]))
+    return float(np.sqrt(trapezoid(error**2, profile.depth) / profile.depth[-1]))
 
 
 def main() -> None:
