@@ -43,7 +43,7 @@ from pfemcut.results.checkpoint import (
 from pfemcut.results.derived.columns import derived_columns
 from pfemcut.results.derived.tool_heating import tool_warnings
 from pfemcut.results.history import CORE_COLUMNS, read_table
-from pfemcut.results.summary import Summary, summarise, write_summary
+from pfemcut.results.summary import Summary, summarise, update_summary, write_summary
 
 if TYPE_CHECKING:
     from pfemcut.case.load import AnyCase
@@ -122,9 +122,9 @@ def report_case(directory: Path) -> None:
     from pfemcut.output.report import write_report
 
     problem = problem_of(*validated(read_toml(directory / INPUTS), directory), directory)
-    # Writes its tables anew.
-    surface_figures(directory, problem)
-    if not (directory / SUMMARY).exists():
+    if (directory / SUMMARY).exists():
+        update_summary(directory / SUMMARY, surface_figures(directory, problem))
+    else:
         ending = "had not ended when this was written"
         summary = summary_of(directory, problem, finished=False, ending=ending, warnings=(ending,))
         with writing(directory):

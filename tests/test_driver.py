@@ -87,6 +87,8 @@ def run(
         tool=(MovingTool(tool_of(6.0), (-CUT.speed, 0.0)),),
         pairs=(),
         others=(),
+        after=(),
+        ends_stage=lambda time: False,
     )
     factory = MethodFactory(
         start=lambda: ChaoticMethod(last, events=events),

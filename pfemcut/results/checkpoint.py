@@ -163,7 +163,7 @@ def require_same_case(stored: str, wanted: str) -> None:
     changes = changed_keys(stored, wanted)
     if changes:
         raise CheckpointError(
-            "only travel, [after], output and the number of ranks may change on resume, but: "
+            "only travel, output, [after] and the number of ranks may change on resume, but: "
             + "; ".join(changes)
         )
 
@@ -179,10 +179,12 @@ def require_still_cutting(stored: str, wanted: str, time: float) -> None:
         Of the checkpoint (s).
     """
     before, now = tomllib.loads(stored), tomllib.loads(wanted)
-    cutting = before.get("cutting")
-    if cutting is None or time <= cutting["travel"] / cutting["speed"] * (1.0 + 1e-9):
+    if "after" not in before:
         return
-    changed = cutting["travel"] != now["cutting"]["travel"] or before.get("after") != now.get("after")
+    cutting = before["cutting"]
+    if time <= cutting["travel"] / cutting["speed"] * (1.0 + 1e-9):
+        return
+    changed = cutting["travel"] != now["cutting"]["travel"] or before["after"] != now.get("after")
     if changed:
         raise CheckpointError("the tool has withdrawn: neither travel nor [after] may change any more")
 

@@ -153,9 +153,20 @@ def summarise(
 
 def write_summary(path: Path, summary: Summary) -> None:
     """Write ``summary.json``, at once."""
+    _write(path, summary.to_json())
+
+
+def update_summary(path: Path, figures: Mapping[str, Mapping[str, float | str]]) -> None:
+    """Put ``figures`` into an existing ``summary.json``, first those that were not there."""
+    content = json.loads(path.read_text(encoding="utf-8"))
+    if any(content.get(name) != figure for name, figure in figures.items()):
+        _write(path, {**figures, **content, **figures})
+
+
+def _write(path: Path, content: Mapping[str, Any]) -> None:
     temporary = path.with_name(path.name + ".tmp")
     # JSON has no nan: figures without a value aren't there.
-    text = json.dumps(summary.to_json(), indent=2, ensure_ascii=False, allow_nan=False)
+    text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
     temporary.write_text(text + "\n", encoding="utf-8")
     os.replace(temporary, path)
 

@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 FACE = 0.0
 """Where the end face of a cut's workpiece is (mm in x)."""
 SECTIONS = 400
-ROOT = 1.25
+ROOT = 1.15
 """The root is the first section less thick than this times the median up to the neck."""
 GROWN = 1.5
 """A section this much thicker than the thinnest before it lies beyond the neck."""

@@ -16,6 +16,8 @@ from pfemcut.method import Frame
 
 Array = NDArray[np.float64]
 
+NEIGHBOURS = 0.2
+"""Weight of the elements of its neighbours in the patch of a particle of the boundary."""
 _REGULAR = (
     1e-9  # of the patch's size squared, added to the moments: a patch of collinear centres gives its mean
 )
@@ -34,15 +36,13 @@ def recovered(frame: Frame, values: Array) -> Array:
         on_boundary[loop] = True
     # Elements of the neighbours too, each once.
     wider = (members @ members.T @ members).tocsr()
-    wider.data[:] = 1.0
-    patch = coo_matrix(
-        members.multiply(~on_boundary[:, None]) + wider.multiply(on_boundary[:, None].astype(float))
-    )
-    at, element = patch.row, patch.col
+    wider.data[:] = NEIGHBOURS
+    patch = coo_matrix((1.0 - NEIGHBOURS) * members + wider.multiply(on_boundary[:, None].astype(float)))
+    at, element, share = patch.row, patch.col, patch.data
     offset = centre[element] - frame.points[at]
     size = np.sqrt(np.bincount(at, area[element], minlength=count))
     basis = np.column_stack([np.ones(len(at)), offset / size[at, None]])
-    weight = area[element] / size[at] ** 2
+    weight = share * area[element] / size[at] ** 2
 
     def sums(rows: Array) -> Array:
         return np.column_stack([np.bincount(at, weight * each, minlength=count) for each in rows.T])
