@@ -22,6 +22,8 @@ from pfemcut.output.directory import FIGURES, RESIDUAL, SUMMARY  # noqa: E402
 from pfemcut.output.figures import nodal_average  # noqa: E402
 from pfemcut.output.vtu import read_last_frame  # noqa: E402
 from pfemcut.results.derived.burr import FACE, Burr, exit_burr  # noqa: E402
+from pfemcut.results.derived.patch_recovery import recovered  # noqa: E402
+from pfemcut.results.derived.residual import surface_heights  # noqa: E402
 from pfemcut.results.history import read_table  # noqa: E402
 
 Array = NDArray[np.float64]
@@ -36,7 +38,11 @@ def write_surface_pictures(directory: Path) -> list[Path]:
     drawn: dict[str, Figure] = {}
     if (directory / RESIDUAL).exists():
         drawn["residual"] = draw_residual(read_table(directory / RESIDUAL))
-    if "burr_height" in json.loads((directory / SUMMARY).read_text(encoding="utf-8")):
+    summary = json.loads((directory / SUMMARY).read_text(encoding="utf-8"))
+    if "residual_window_begin" in summary:
+        ends = [float(summary[f"residual_window_{name}"]["value"]) for name in ("begin", "end")]
+        drawn["residual_field"] = draw_field(read_last_frame(directory), *ends)
+    if "burr_height" in summary:
         frame = read_last_frame(directory)
         for burr in exit_burr(frame, FACE):
             drawn["burr"] = draw_burr(frame, burr)
@@ -47,6 +53,35 @@ def write_surface_pictures(directory: Path) -> list[Path]:
         figure.savefig(paths[-1], dpi=DOTS_PER_INCH, metadata={"Software": None})
         plt.close(figure)
     return paths
+
+
+def draw_field(frame: Frame, begin: float, end: float) -> Figure:
+    """Residual stress along the cut in the workpiece, and the window of its profiles, ``begin`` to ``end`` (mm)."""
+    figure, axes = plt.subplots(figsize=(9.0, 4.5), layout="constrained")
+    stress = recovered(frame, frame.cell_fields["cauchy_stress"][:, :1])[:, 0]
+    largest = max(float(np.percentile(np.abs(stress), 98.0)), 1e-3)
+    levels = np.linspace(-largest, largest, 21)
+    triangles = Triangulation(frame.points[:, 0], frame.points[:, 1], frame.cells)
+    image = axes.tricontourf(triangles, np.clip(stress, -largest, largest), levels=levels, cmap="coolwarm")
+    for loop in frame.loops:
+        axes.plot(*frame.points[np.append(loop, loop[0])].T, color="black", linewidth=0.6)
+    inside = (frame.points[:, 0] > begin) & (frame.points[:, 0] < end)
+    top = float(np.median(surface_heights(frame, np.linspace(begin, end, 9)[1:-1])))
+    low = float(frame.points[inside, 1].min())
+    for x, text in ((begin, "begin"), (end, "end")):
+        axes.plot([x, x], [low, top], color="black", linestyle="--", linewidth=1.0)
+        axes.text(x, low, f" {text}", va="bottom", fontsize="small")
+    middle = 0.5 * (begin + end)
+    axes.annotate("", (middle, top - 0.3 * (top - low)), (middle, top), arrowprops={"arrowstyle": "->"})
+    axes.text(middle, top - 0.2 * (top - low), " depth", va="center", fontsize="small")
+    axes.set(
+        title="Residual stress along the cut, xx, and the window of the profiles",
+        xlabel="x (mm)",
+        ylabel="y (mm)",
+    )
+    axes.set_aspect("equal")
+    figure.colorbar(image, ax=axes, label="MPa", shrink=0.8)
+    return figure
 
 
 def draw_burr(frame: Frame, burr: Burr) -> Figure:

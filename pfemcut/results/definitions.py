@@ -97,6 +97,18 @@ SURFACE_FIGURES = (
         "Integral of xx from the bottom to the machined surface, which the clamps carry; 0 if they let go.",
     ),
     _left("residual_section_size", "Force of a section, of sizes", "N/mm", "The same of the size of xx."),
+    _left(
+        "residual_window_begin",
+        "Window of the machined surface, begin",
+        "mm",
+        "x of its end near the tool: two depths of cut behind the tool's last place.",
+    ),
+    _left(
+        "residual_window_end",
+        "Window of the machined surface, end",
+        "mm",
+        "x of its end near the entry: the larger of 0.2 mm and two depths of cut from the edge.",
+    ),
     _left("residual_warmest", "Temperature left", "K", "Largest of the mean profile."),
     _left(
         "burr_height",

@@ -109,7 +109,7 @@ def residual_profile(frame: Frame, surface: MachinedSurface) -> ResidualProfile:
     )
     bottom = float(frame.points[:, 1].min())
     x = surface.begin + (surface.end - surface.begin) * (np.arange(VERTICALS) + 0.5) / VERTICALS
-    height = surface_heights(frame, surface, x)
+    height = surface_heights(frame, x)
     reach = min(REACH * surface.depth, float(height.min()) - bottom)
     levels = reach * np.linspace(0.0, 1.0, LEVELS) ** 2
     places = np.stack(np.broadcast_arrays(x, height - levels[:, None]), axis=-1).reshape(-1, 2)
@@ -127,9 +127,10 @@ def residual_profile(frame: Frame, surface: MachinedSurface) -> ResidualProfile:
     )
 
 
-def surface_heights(frame: Frame, surface: MachinedSurface, x: Array) -> Array:
-    """Height (mm) of the machined surface at ``x`` (k,): where a ray from one depth of cut below it leaves the body."""
-    origins = np.column_stack([x, np.full(len(x), surface.level - surface.depth)])
+def surface_heights(frame: Frame, x: Array) -> Array:
+    """Height (mm) of the machined surface at ``x`` (k,): where a ray from the bottom upwards first leaves the body."""
+    below = float(frame.points[:, 1].min()) - 1.0
+    origins = np.column_stack([x, np.full(len(x), below)])
     edges = loop_edges(frame.loops)
     distance, _ = first_crossing(
         origins,
@@ -167,6 +168,8 @@ def residual_figures(profile: ResidualProfile) -> dict[str, dict[str, float | st
         "deformed_depth": value(last_above(depth, strain, AFFECTED_STRAIN), "mm"),
         "residual_section_force": value(profile.section_force, "N/mm"),
         "residual_section_size": value(profile.section_size, "N/mm"),
+        "residual_window_begin": value(profile.surface.begin, "mm"),
+        "residual_window_end": value(profile.surface.end, "mm"),
         "residual_warmest": value(float(profile.mean["temperature"].max()), "K"),
     }
 

@@ -113,7 +113,6 @@ def figures(found: Quench) -> dict[str, float]:
     stress = exact.residual_stress(found.heating_at)
     strain = exact.plastic_strain(found.heating_at)
     percent = 100.0 / exact.YIELD_STRESS
-    ends = found.method.own_measures()
     return {
         "surface_xx": float(profile.mean["stress_xx"][0]),
         "xx_rms_%": percent * _rms(profile, profile.mean["stress_xx"] - stress),
@@ -125,7 +124,6 @@ def figures(found: Quench) -> dict[str, float]:
         "force": profile.section_force,
         "exact_force": float(trapezoid(stress, profile.depth)),
         "warmest": float(profile.mean["temperature"].max()),
-        "heat_error": float(ends["heat_error"]),
     }
 
 
