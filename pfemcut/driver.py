@@ -30,7 +30,7 @@ from pfemcut.output.directory import (
 )
 from pfemcut.output.progress import progress_display
 from pfemcut.output.recorder import Recorder
-from pfemcut.output.surface import surface_figures
+from pfemcut.output.surface import surface_figures, surface_warnings
 from pfemcut.problem import Cut, Problem
 from pfemcut.ranks import Ranks, RanksDiffer, SignalNotes
 from pfemcut.results.checkpoint import (
@@ -214,7 +214,12 @@ def summary_of(
         rake=tool[0].shape.rake if tool else math.nan,
         warnings=(*warnings, *(tool_warnings(problem, columns["time"][-1]) if columns["time"].size else ())),
     )
-    return replace(summary, figures={**summary.figures, **surface_figures(directory, problem)})
+    figures = surface_figures(directory, problem)
+    return replace(
+        summary,
+        figures={**summary.figures, **figures},
+        warnings=(*summary.warnings, *surface_warnings(problem, figures)),
+    )
 
 
 class _Run:

@@ -102,9 +102,9 @@ def _pictures(directory: Path, inputs: str) -> list[Path]:
 
 
 def _cut_end(inputs: str) -> float:
-    """When a cut ends (s), whose pictures show it under load; inf for other problems."""
+    """When a cut ends (s), of which the pictures show it under load; inf for other problems."""
     cutting = tomllib.loads(inputs).get("cutting", {})
-    return float(cutting["travel"] / cutting["speed"]) if cutting else math.inf
+    return float(cutting.get("travel", math.inf)) / float(cutting.get("speed", 1.0))
 
 
 def _result(label: str, meaning: str, figure: Mapping[str, Any]) -> dict[str, str]:

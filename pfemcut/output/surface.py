@@ -17,6 +17,9 @@ from pfemcut.results.derived.residual import (
     residual_profile,
 )
 
+LARGEST_NORMAL = 0.1
+"""Of the largest residual stress: what yy at the surface may be without a warning."""
+
 Figures = dict[str, dict[str, float | str]]
 
 
@@ -39,6 +42,22 @@ def surface_figures(directory: Path, problem: Problem) -> Figures:
     for burr in exit_burr(frame, FACE) if has_left(problem) else ():
         figures.update(burr_figures(burr))
     return figures
+
+
+def surface_warnings(problem: Problem, figures: Figures) -> list[str]:
+    """What a reader of ``figures`` must know."""
+    found = []
+    if problem.cut and problem.after and not figures:
+        found.append("the machined surface is too short for profiles below it, and there is no burr")
+    if "residual_surface_yy" in figures:
+        normal = float(figures["residual_surface_yy"]["mean"])
+        largest = max(abs(float(figures[f"residual_{name}"]["value"])) for name in ("compression", "tension"))
+        if abs(normal) > LARGEST_NORMAL * largest:
+            found.append(
+                f"yy at the machined surface is {normal:.0f} MPa, where it must vanish: residual stresses nearer to it "
+                "than about one spacing of the mesh are not resolved"
+            )
+    return found
 
 
 def write_residual(path: Path, profile: ResidualProfile) -> None:

@@ -14,7 +14,7 @@ Released walls: as long as the layer stays elastic and is long, sections stay pl
 
     sigma_xx -> sigma_xx - (a + b y),   sigma_zz -> sigma_zz - nu (a + b y),
 
-with a + b y the straight line that has the force and moment of sigma_xx (ibid., arts. 150 and 151).
+with a + b y the straight line that has the force and moment of sigma_xx (ibid., art. 150).
 """
 
 from __future__ import annotations
