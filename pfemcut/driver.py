@@ -31,6 +31,7 @@ from pfemcut.output.directory import (
 from pfemcut.output.progress import progress_display
 from pfemcut.output.recorder import Recorder
 from pfemcut.output.surface import surface_figures, surface_warnings
+from pfemcut.output.tool_profiles import cut_profiles, write_table
 from pfemcut.problem import Cut, Problem
 from pfemcut.ranks import Ranks, RanksDiffer, SignalNotes
 from pfemcut.results.checkpoint import (
@@ -40,8 +41,11 @@ from pfemcut.results.checkpoint import (
     require_same_case,
     require_still_cutting,
 )
+from pfemcut.results.contact_table import EVERY
 from pfemcut.results.derived.columns import derived_columns
+from pfemcut.results.derived.profile_figures import profile_figures
 from pfemcut.results.derived.tool_heating import tool_warnings
+from pfemcut.results.derived.tool_profiles import tool_loads
 from pfemcut.results.history import CORE_COLUMNS, read_table
 from pfemcut.results.summary import Summary, summarise, update_summary, write_summary
 
@@ -199,11 +203,15 @@ def run_problem(
 def summary_of(
     directory: Path, problem: Problem, *, finished: bool, ending: str, warnings: Sequence[str]
 ) -> Summary:
-    """Build the summary of the tables in ``directory``."""
+    """Build the summary of the tables in ``directory``, and write the profiles along the tool beside them."""
     history, timing = directory / HISTORY, directory / TIMING
     none = {name: np.zeros(0) for name in CORE_COLUMNS}
     cut, tool = problem.cut, problem.tool
     columns = (read_table(history) or none) if history.exists() else none
+    figures: dict[str, dict[str, float | str]] = {}
+    for found in cut_profiles(directory):
+        write_table(directory, found.profiles)
+        figures = profile_figures(found.profiles)
     summary = summarise(
         columns,
         read_table(timing) if timing.exists() else {},
@@ -213,6 +221,7 @@ def summary_of(
         depth=cut[0].depth if cut else math.nan,
         rake=tool[0].shape.rake if tool else math.nan,
         warnings=(*warnings, *(tool_warnings(problem, columns["time"][-1]) if columns["time"].size else ())),
+        profile_figures=figures,
     )
     figures = surface_figures(directory, problem)
     return replace(
@@ -261,7 +270,7 @@ class _Run:
         method = self._method
         try:
             if fresh:
-                self._record_frame()
+                self._record_frame(self._method.frame())
             end = self._problem.time.end
             with SignalNotes() as signals, progress_display(end, visible=self._ranks.first) as progress:
                 while not method.finished:
@@ -305,7 +314,7 @@ class _Run:
         if step % controls.history_every == 0:
             self._record_row()
         if step % controls.every == 0 or self._problem.ends_stage(measures.time):
-            self._record_frame()
+            self._record_frame(method.frame())
         if step % controls.checkpoint_every == 0:
             self._record_checkpoint(step)
         ended = time.perf_counter()
@@ -326,13 +335,21 @@ class _Run:
             ) -> None:
                 for frame, cut in cuts:
                     own.update(derived_columns(frame, cut))
+                    # A tool that withdraws has other loads than that of the cut.
+                    if measures.step % EVERY == 0 and self._problem.cutting_at(measures.time):
+                        self._record_contact(frame, cut, measures.dt)
                 self._recorders[0].row(measures, own)
 
             self._ranks.on_first(write_row)
         self._pending = []
 
-    def _record_frame(self) -> None:
-        frame = self._method.frame()
+    def _record_contact(self, frame: Frame, cut: Cut, last_dt: float) -> None:
+        """Write what the tool's surface feels; a rigid tool's forces act on lengths of the begin of the step."""
+        (tool,) = self._problem.tool
+        loads = tool_loads(frame, (-cut.speed, 0.0), 0.0 if tool.body else last_dt)
+        self._recorders[0].contact(frame.step, loads)
+
+    def _record_frame(self, frame: Frame) -> None:
         self._ranks.on_first(lambda: self._recorders[0].frame(frame))
 
     def _record_checkpoint(self, step: int) -> None:
@@ -345,7 +362,7 @@ class _Run:
         frame = self._method.frame()
         # Before the fields: whoever asked for the end may kill soon.
         self._record_checkpoint(frame.step)
-        self._ranks.on_first(lambda: self._recorders[0].frame(frame))
+        self._record_frame(frame)
 
         def conclude() -> Summary:
             directory, every = self._directory, (*self._warnings, *warnings)

@@ -1,4 +1,4 @@
-"""The command line: ``pfemcut run | sweep | check | report | materials``.
+"""The command line: ``pfemcut run | sweep | check | report | profiles | materials``.
 
 Exit status 0 for success (a finished, valid run), 1 for a run that stopped, 2 for bad input, 130 for Ctrl-C.
 Whatever is slow to import (dolfinx, matplotlib) is imported by the command that needs it.
@@ -15,7 +15,8 @@ from typing import Annotated
 import typer
 
 from pfemcut.case.check import figures, warnings
-from pfemcut.case.load import AnyCase, load_case
+from pfemcut.case.load import directed, load_case
+from pfemcut.cli.profiles import profiles
 from pfemcut.cli.speech import complain, say
 from pfemcut.cli.sweep import sweep
 from pfemcut.cli.table import result_lines
@@ -101,7 +102,8 @@ def run(
     with ranks.together():
         changes = [*overrides, *([] if travel is None else [f"cutting.travel={travel}"])]
         case, material = ranks.on_first(lambda: load_case(case_file, changes))
-        case = _directed(case, output)
+        if output is not None:
+            case = directed(case, output)
         from pfemcut.driver import run_case
 
         summary = run_case(
@@ -119,6 +121,7 @@ def run(
 
 
 app.command()(sweep)
+app.command()(profiles)
 
 
 @app.command()
@@ -157,10 +160,3 @@ def materials(
     for known in library_names():
         material = load_material(known, Path())
         say(f"{known:<{width}} {material.name}: {material.source}")
-
-
-def _directed(case: AnyCase, output: Path | None) -> AnyCase:
-    """The case with its output folder replaced, if another one is asked for."""
-    if output is None:
-        return case
-    return case.model_copy(update={"output": case.output.model_copy(update={"directory": str(output)})})

@@ -15,6 +15,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from pfemcut.output.directory import FIGURES, HISTORY, INPUTS, REPORT, SUMMARY, OutputError
 from pfemcut.output.figures import write_figures
+from pfemcut.output.profile_figure import write_profile_figure
 from pfemcut.output.progress import duration
 from pfemcut.output.surface_pictures import write_surface_pictures
 from pfemcut.output.vtu import FieldsError, read_last_frame
@@ -95,10 +96,8 @@ def _pictures(directory: Path, inputs: str) -> list[Path]:
     if not history or history["step"].size == 0:
         return []
     window = steady_window(history["travel"], history["cutting_force"])
-    return [
-        *write_figures(directory / FIGURES, frame, history, window, depth),
-        *write_surface_pictures(directory),
-    ]
+    figures = write_figures(directory / FIGURES, frame, history, window, depth)
+    return [*figures, *write_profile_figure(directory), *write_surface_pictures(directory)]
 
 
 def _cut_end(inputs: str) -> float:

@@ -8,8 +8,8 @@ can be made from the output directory alone.
 from __future__ import annotations
 
 import math
-import os
 import xml.etree.ElementTree as Xml
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from pfemcut.inputs import UserError
 from pfemcut.method import Block, ContactView, Frame, IntArray
 from pfemcut.tools.rigid_wedge import RigidWedge
+from pfemcut.whole_files import replacing
 
 Array = NDArray[np.float64]
 
@@ -154,7 +155,18 @@ def read_last_frame(directory: Path, until: float = math.inf) -> Frame:
     if not entries:
         raise FieldsError(f"{directory / COLLECTION}: there are no fields")
     last = max(entry.step for entry in entries)
-    files = {entry.part: entry for entry in entries if entry.step == last}
+    return read_frame(directory, [entry for entry in entries if entry.step == last])
+
+
+def read_frame(directory: Path, entries: Sequence[Entry]) -> Frame:
+    """Read one frame back, whose files of the collection are ``entries``.
+
+    Raises
+    ------
+    FieldsError
+        If a file is damaged.
+    """
+    files = {entry.part: entry for entry in entries}
     body = _read(directory / files[BODY_PART].file)
     tool: tuple[RigidWedge, ...] = ()
     blocks: tuple[Block, ...] = ()
@@ -185,9 +197,9 @@ def read_last_frame(directory: Path, until: float = math.inf) -> Frame:
         body.point_data["contact_pressure"][particles],
         body.point_data["contact_shear"][particles],
     )
-    time = files[BODY_PART].time
+    step, time = files[BODY_PART].step, files[BODY_PART].time
     loops = boundary_loops(cells)
-    return Frame(last, time, travel, points, cells, loops, point_fields, cell_fields, tool, contact, blocks)
+    return Frame(step, time, travel, points, cells, loops, point_fields, cell_fields, tool, contact, blocks)
 
 
 def _blocks(tool: meshio.Mesh) -> tuple[Block, ...]:
@@ -271,10 +283,8 @@ def write_collection(directory: Path, entries: list[Entry]) -> None:
             name=_NAMES.get(entry.part, f"body {entry.part}"),
         )
     Xml.indent(root)
-    path = directory / COLLECTION
-    temporary = path.with_name(path.name + ".tmp")
-    Xml.ElementTree(root).write(temporary, encoding="utf-8", xml_declaration=True)
-    os.replace(temporary, path)
+    with replacing(directory / COLLECTION) as temporary:
+        Xml.ElementTree(root).write(temporary, encoding="utf-8", xml_declaration=True)
 
 
 def _padded(values: NDArray[np.generic]) -> NDArray[np.generic]:
@@ -284,9 +294,8 @@ def _padded(values: NDArray[np.generic]) -> NDArray[np.generic]:
 
 
 def _write_atomically(path: Path, mesh: meshio.Mesh) -> None:
-    temporary = path.with_name(path.name + ".tmp")
-    meshio.write(temporary, mesh, file_format="vtu", binary=True, compression="zlib")
-    os.replace(temporary, path)
+    with replacing(path) as temporary:
+        meshio.write(temporary, mesh, file_format="vtu", binary=True, compression="zlib")
 
 
 def _read(path: Path) -> meshio.Mesh:

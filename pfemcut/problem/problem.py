@@ -316,6 +316,10 @@ class Problem:
         """Whether a stage ends at ``time`` (s)."""
         return any(abs(time - stage.time.end) <= _SAME * stage.time.end for stage in (self, *self.after))
 
+    def cutting_at(self, time: float) -> bool:
+        """Whether a step that ended at ``time`` (s) belongs to the first stage."""
+        return self.ending(time) is self
+
     def ending(self, time: float) -> Problem:
         """The stage of a step that ended at ``time`` (s)."""
         stages = (self, *self.after)

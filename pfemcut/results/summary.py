@@ -5,11 +5,11 @@ from __future__ import annotations
 import importlib.metadata
 import json
 import math
-import os
 import platform
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ from pfemcut.results.definitions import FIGURES, Definition, Taken
 from pfemcut.results.derived.friction import apparent_friction
 from pfemcut.results.derived.specific_energy import specific_energy
 from pfemcut.results.derived.steady_window import SteadyWindow, steady_window
+from pfemcut.whole_files import write_json
 
 Array = NDArray[np.float64]
 
@@ -101,6 +102,7 @@ def summarise(
     depth: float = math.nan,
     rake: float = math.nan,
     warnings: Sequence[str] = (),
+    profile_figures: Mapping[str, Mapping[str, float | str]] = MappingProxyType({}),
 ) -> Summary:
     """Build the summary of a history.
 
@@ -114,6 +116,8 @@ def summarise(
         Depth of cut (mm) and rake angle (degrees); nan if the problem isn't a cut.
     warnings
         What the run has to add to the summary's own warnings.
+    profile_figures
+        Figures of the profiles along the tool, by name.
     """
     columns = dict(history)
     rows = columns["step"].size
@@ -126,11 +130,12 @@ def summarise(
         columns["apparent_friction"] = apparent_friction(
             columns["cutting_force"], columns["thrust_force"], rake
         )
-    figures = {
+    figures: dict[str, Mapping[str, float | str]] = {
         item.name: _figure(item, columns[item.name], window)
         for item in FIGURES
         if rows and item.name in columns and np.isfinite(columns[item.name]).any()
     }
+    figures |= profile_figures
     total = timing.get("total", np.zeros(0))
     return Summary(
         title=title,
@@ -153,22 +158,15 @@ def summarise(
 
 def write_summary(path: Path, summary: Summary) -> None:
     """Write ``summary.json``, at once."""
-    _write(path, summary.to_json())
+    # JSON has no nan: figures without a value aren't there.
+    write_json(path, summary.to_json())
 
 
 def update_summary(path: Path, figures: Mapping[str, Mapping[str, float | str]]) -> None:
     """Put ``figures`` into an existing ``summary.json``, first those that were not there."""
     content = json.loads(path.read_text(encoding="utf-8"))
     if any(content.get(name) != figure for name, figure in figures.items()):
-        _write(path, {**figures, **content, **figures})
-
-
-def _write(path: Path, content: Mapping[str, Any]) -> None:
-    temporary = path.with_name(path.name + ".tmp")
-    # JSON has no nan: figures without a value aren't there.
-    text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
-    temporary.write_text(text + "\n", encoding="utf-8")
-    os.replace(temporary, path)
+        write_json(path, {**figures, **content, **figures})
 
 
 def figure_mean(summary: Mapping[str, Any], name: str) -> float:

@@ -8,11 +8,11 @@ from pathlib import Path
 
 from pfemcut.output.directory import FIGURES, INPUTS, RESIDUAL, SUMMARY
 from pfemcut.ranks import Ranks
-from pfemcut.results.published import write_json
 from pfemcut.validation.options import exit_with, parser, start_of
 from pfemcut.validation.provenance import provenance
 from pfemcut.validation.recorded_run import read_history, read_summary, recorded_run, sessions
 from pfemcut.validation.small_files import copy_picture, write_thinned
+from pfemcut.whole_files import write_json
 
 
 def main(folder: Path) -> None:
