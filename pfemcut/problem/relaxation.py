@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from pfemcut.problem.conditions import (
     Convection,
@@ -28,6 +27,7 @@ Array = NDArray[np.float64]
 _UNLOADING_STEPS = 10.0  # of the largest length in the way of the tool
 _UNLOADING_GROWTH = 1.25
 _RELEASE_STEPS = 2
+_HALVINGS = 60
 _TOLERANCE = (
     1e-5  # of the momentum residual: without a tool only the supports' forces are left to compare it with
 )
@@ -211,6 +211,12 @@ def _growth(ratio: float, steps: int) -> float:
     def excess(more: float) -> float:
         return math.expm1(steps * math.log1p(more)) / more - ratio
 
-    highest = ratio ** (1.0 / (steps - 1)) - 1.0
-    lowest = 1e-9
-    return 1.0 + (float(brentq(excess, lowest, highest)) if excess(lowest) < 0.0 else lowest)
+    # Bisection: not worth loading scipy, which a check of a case would wait for.
+    lowest, highest = 1e-9, ratio ** (1.0 / (steps - 1)) - 1.0
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (lowest + highest)
+        if excess(middle) < 0.0:
+            lowest = middle
+        else:
+            highest = middle
+    return 1.0 + lowest
