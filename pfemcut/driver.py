@@ -11,7 +11,7 @@ import signal
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -31,17 +31,24 @@ from pfemcut.output.directory import (
 from pfemcut.output.progress import progress_display
 from pfemcut.output.recorder import Recorder
 from pfemcut.output.requests import Request, asked, done
+from pfemcut.output.surface import surface_figures, surface_warnings
 from pfemcut.output.tool_profiles import cut_profiles, write_table
 from pfemcut.problem import Cut, Problem
 from pfemcut.ranks import Ranks, RanksDiffer, SignalNotes
-from pfemcut.results.checkpoint import Checkpoint, State, read_checkpoint, require_same_case
+from pfemcut.results.checkpoint import (
+    Checkpoint,
+    State,
+    read_checkpoint,
+    require_same_case,
+    require_still_cutting,
+)
 from pfemcut.results.contact_table import EVERY
 from pfemcut.results.derived.columns import derived_columns
 from pfemcut.results.derived.profile_figures import profile_figures
 from pfemcut.results.derived.tool_heating import tool_warnings
 from pfemcut.results.derived.tool_profiles import tool_loads
 from pfemcut.results.history import CORE_COLUMNS, read_table
-from pfemcut.results.summary import Summary, summarise, write_summary
+from pfemcut.results.summary import Summary, summarise, update_summary, write_summary
 
 if TYPE_CHECKING:
     from pfemcut.case.load import AnyCase
@@ -129,8 +136,10 @@ def report_case(directory: Path, *, animation: bool = True, scales: Scales | Non
     from pfemcut.case.translate import problem_of
     from pfemcut.output.report import write_report
 
-    if not (directory / SUMMARY).exists():
-        problem = problem_of(*validated(read_toml(directory / INPUTS), directory), directory)
+    problem = problem_of(*validated(read_toml(directory / INPUTS), directory), directory)
+    if (directory / SUMMARY).exists():
+        update_summary(directory / SUMMARY, surface_figures(directory, problem))
+    else:
         ending = "had not ended when this was written"
         summary = summary_of(directory, problem, finished=False, ending=ending, warnings=(ending,))
         with writing(directory):
@@ -197,6 +206,7 @@ def run_problem(
             ranks.on_first(lambda: remove_conclusions(directory))
             last_step, warnings = checkpoint.step, checkpoint.warnings
             method = factory.restore(checkpoint.state)
+            require_still_cutting(checkpoint.resolved_case, inputs, method.measure().time)
         else:
             method = factory.start()
         run = _Run(problem, method, directory, controls, ranks, warnings)
@@ -216,7 +226,7 @@ def summary_of(
     for found in cut_profiles(directory):
         write_table(directory, found.profiles)
         figures = profile_figures(found.profiles)
-    return summarise(
+    summary = summarise(
         columns,
         read_table(timing) if timing.exists() else {},
         title=problem.title,
@@ -226,6 +236,12 @@ def summary_of(
         rake=tool[0].shape.rake if tool else math.nan,
         warnings=(*warnings, *(tool_warnings(problem, columns["time"][-1]) if columns["time"].size else ())),
         profile_figures=figures,
+    )
+    figures = surface_figures(directory, problem)
+    return replace(
+        summary,
+        figures={**summary.figures, **figures},
+        warnings=(*summary.warnings, *surface_warnings(problem, figures)),
     )
 
 
@@ -320,7 +336,7 @@ class _Run:
         self._pending = [measures]
         if step % controls.history_every == 0:
             self._record_row()
-        if step % controls.every == 0:
+        if step % controls.every == 0 or self._problem.ends_stage(measures.time):
             self._record_frame(method.frame())
         if step % controls.checkpoint_every == 0:
             self._record_checkpoint(step)
@@ -342,7 +358,8 @@ class _Run:
             ) -> None:
                 for frame, cut in cuts:
                     own.update(derived_columns(frame, cut))
-                    if measures.step % EVERY == 0:
+                    # A tool that withdraws has other loads than that of the cut.
+                    if measures.step % EVERY == 0 and self._problem.cutting_at(measures.time):
                         self._record_contact(frame, cut, measures.dt)
                 self._recorders[0].row(measures, own)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.metadata
+import json
 import math
 import platform
 from collections.abc import Mapping, Sequence
@@ -159,6 +160,13 @@ def write_summary(path: Path, summary: Summary) -> None:
     """Write ``summary.json``, at once."""
     # JSON has no nan: figures without a value aren't there.
     write_json(path, summary.to_json())
+
+
+def update_summary(path: Path, figures: Mapping[str, Mapping[str, float | str]]) -> None:
+    """Put ``figures`` into an existing ``summary.json``, first those that were not there."""
+    content = json.loads(path.read_text(encoding="utf-8"))
+    if any(content.get(name) != figure for name, figure in figures.items()):
+        write_json(path, {**figures, **content, **figures})
 
 
 def figure_mean(summary: Mapping[str, Any], name: str) -> float:

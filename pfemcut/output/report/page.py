@@ -35,6 +35,7 @@ from pfemcut.output.report.ledgers import Ledger, energy_ledger, heat_ledger
 from pfemcut.output.report.registry import Picture, Section, found_pictures, found_tables
 from pfemcut.output.report.results import HEADLINES, check_rows, result_rows
 from pfemcut.output.scales import Scales
+from pfemcut.output.surface_pictures import write_surface_pictures
 from pfemcut.output.vtu import FieldsError, read_last_frame
 from pfemcut.results.derived.steady_window import SteadyWindow, steady_window
 from pfemcut.results.history import HistoryError, read_table
@@ -81,7 +82,7 @@ def write_report(directory: Path, *, animation: bool = True, scales: Scales | No
     inputs = _text(directory / INPUTS)
     try:
         given = tomllib.loads(inputs)
-        history, frame = read_table(directory / HISTORY), read_last_frame(directory)
+        history, frame = read_table(directory / HISTORY), read_last_frame(directory, until=_cut_end(given))
         if history and history["step"].size:
             _draw(directory, given, history, frame, animation=animation, scales=scales or {})
         page = _page(directory, summary, inputs, given, history)
@@ -106,6 +107,7 @@ def _draw(
     write_figures(figures, frame, history, _window(history), depth, scales)
     write_history_figures(figures, history)
     write_profile_figure(directory)
+    write_surface_pictures(directory)
     # One of an earlier state would stay.
     (figures / ANIMATION).unlink(missing_ok=True)
     if animation and not math.isnan(depth):
@@ -162,6 +164,12 @@ def _choices(given: Mapping[str, Any], directory: Path) -> list[str]:
         return warnings(*validated(given, directory))
     except InputError:
         return []
+
+
+def _cut_end(given: Mapping[str, Any]) -> float:
+    """When a cut ends (s), of which the pictures show it under load; inf for other problems."""
+    cutting = given.get("cutting", {})
+    return float(cutting.get("travel", math.inf)) / float(cutting.get("speed", 1.0))
 
 
 def _window(history: Mapping[str, Array]) -> SteadyWindow:

@@ -21,6 +21,7 @@ class Section(Enum):
     FORCES = "forces"
     FIELDS = "fields"
     TOOL = "along-the-tool"
+    SURFACE = "machined-surface"
     LEDGERS = "ledgers"
     CONVERGENCE = "convergence"
     FURTHER = "further"
@@ -89,6 +90,18 @@ PICTURES = (
         "each side.",
     ),
     Picture(
+        "residual.png",
+        Section.SURFACE,
+        "Residual stress, plastic strain and temperature below the machined surface; bands are one standard deviation "
+        "along the window.",
+    ),
+    Picture(
+        "residual_field.png",
+        Section.SURFACE,
+        "Residual stress along the cut at the end, and the window of the profiles.",
+    ),
+    Picture("burr.png", Section.SURFACE, "Exit burr, with its height and thickness."),
+    Picture(
         "energy.png",
         Section.LEDGERS,
         "Above, what the tool's work became, stacked; below, the part that no account explains.",
@@ -109,6 +122,11 @@ TABLES: tuple[Table, ...] = (
         "tool_profiles.csv",
         Section.TOOL,
         "Profiles along the tool (mm, N/mm², mm/s, K): means over the recorded instants of the steady window",
+    ),
+    Table(
+        "residual.csv",
+        Section.SURFACE,
+        "Profiles below the machined surface (mm, MPa, K) after unloading, and cooling if wished",
     ),
 )
 
