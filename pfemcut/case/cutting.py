@@ -88,7 +88,14 @@ def cutting_problem(case: Case, material: Material) -> Problem:
         newton=newton_controls(case.solver),
         stabilisation=case.solver.stabilisation,
         stabilisation_modulus=stabilisation_modulus(case.solver, mesh),
-        cut=(Cut(depth=case.cutting.depth, speed=case.cutting.speed, surface=height),),
+        cut=(
+            Cut(
+                depth=case.cutting.depth,
+                speed=case.cutting.speed,
+                surface=height,
+                chip_length=_or_infinite(case.cutting.chip_length),
+            ),
+        ),
     )
 
 
@@ -139,6 +146,10 @@ def support_motions(supports: str, velocity: tuple[float, float], end: float) ->
     )
 
 
+def _or_infinite(length: float | None) -> float:
+    return math.inf if length is None else length
+
+
 def _pair(point: Any) -> tuple[float, float]:
     return float(point[0]), float(point[1])
 
@@ -169,7 +180,7 @@ def size_field(mesh: Mesh, tool: RigidWedge, depth: float, surface: float) -> Si
     shear zone       within 0.6 depth of the line from the rake face's lower end to the free    shear_zone_size
                      surface one depth ahead of the tip
     chip             everything above the uncut surface                                         chip_size
-    machined layer   behind the tool, to 0.25 depth below the machined surface                  surface_size
+    machined layer   behind the tool (surface_length), to 0.25 depth below the machined surface surface_size
     ===============  =========================================================================  ===============
 
     Parameters
@@ -203,7 +214,12 @@ def size_field(mesh: Mesh, tool: RigidWedge, depth: float, surface: float) -> Si
             ),
             SizeZone(Box((-math.inf, chip_foot), (math.inf, math.inf)), mesh.chip_size, chip_growth),
             SizeZone(
-                Box((centre_x, machined - 0.25 * depth), (math.inf, surface)), mesh.surface_size, mesh.growth
+                Box(
+                    (centre_x, machined - 0.25 * depth),
+                    (centre_x + _or_infinite(mesh.surface_length), surface),
+                ),
+                mesh.surface_size,
+                mesh.growth,
             ),
         ),
         far_size=mesh.far_size,

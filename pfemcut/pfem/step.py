@@ -19,6 +19,7 @@ from pfemcut.method import RunStopped
 from pfemcut.pfem import energies
 from pfemcut.pfem.bodies import moduli, thermal_strains
 from pfemcut.pfem.body_contact import deformable_tools, force_within
+from pfemcut.pfem.chip_cut_off import cut_off_chip
 from pfemcut.pfem.kinematics import element_mean
 from pfemcut.pfem.loads import nodal_loads, part_particles
 from pfemcut.pfem.mechanics import Motion, PlasticUpdate, solve_motion, update_plasticity
@@ -106,6 +107,7 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
     CutEnded
         If the body touches itself.
     """
+    state = cut_off_chip(problem, state)
     # Box 1: the particles are where the last step moved them; remove, insert, triangulate, transfer.
     mesh, fields, remesh_map = particle_step(problem, state, watch)
     wished = step = _step_length(problem, state.clock)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from enum import Enum
 
@@ -225,11 +226,14 @@ class Cut:
         Cutting speed (mm/s).
     surface
         Height of the uncut surface (mm).
+    chip_length
+        Length at which the chip is cut off (mm); inf if it is not.
     """
 
     depth: float
     speed: float
     surface: float
+    chip_length: float = math.inf
 
 
 @dataclass(frozen=True)
