@@ -19,6 +19,10 @@ IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
 
+_ACROSS = 2.0
+"""The boundary between the ends of a path across the body is more than this times as long as the path."""
+
+
 @dataclass(frozen=True)
 class Crossing:
     """A path of element edges from one side of a body to the other.
@@ -55,10 +59,22 @@ def loop_after(boundary: Boundary, entry: int) -> IntArray:
     return np.roll(np.arange(a, b), a - entry)
 
 
-def crossing(mesh: Mesh, start: int, ends: IntArray, reach: float) -> Crossing | None:
-    """The shortest path through the inside of the body from the boundary entry ``start`` to one of ``ends``.
+def crossing(mesh: Mesh, start: int, ends: IntArray, ways: Array, reach: float) -> Crossing | None:
+    """The shortest path across the body from the boundary entry ``start`` to one of ``ends``.
 
-    None if there is none shorter than ``reach`` (mm). It touches the boundary at its own ends alone.
+    It touches the boundary at its own ends alone, and is less than half as long as the boundary between them, so that
+    it does not just run along it. None if there is none shorter than ``reach`` (mm).
+
+    Parameters
+    ----------
+    mesh
+        One body.
+    start, ends
+        Boundary entries; ``ends`` has shape (k,).
+    ways
+        Distance of each end from the start along the boundary (mm); shape (k,).
+    reach
+        Longest path (mm).
     """
     boundary, count = mesh.boundary, len(mesh.points)
     at = int(boundary.particles[start])
@@ -81,6 +97,7 @@ def crossing(mesh: Mesh, start: int, ends: IntArray, reach: float) -> Crossing |
     graph = csr_array((lengths, (both[:, 0], both[:, 1])), shape=(count, count))
     distance, before = dijkstra(graph, indices=at, return_predecessors=True, limit=reach)
     found = distance[boundary.particles[ends]]
+    found = np.where(_ACROSS * found < ways, found, np.inf)
     best = int(np.argmin(found)) if len(found) else 0
     if not len(found) or not np.isfinite(found[best]):
         return None

@@ -64,12 +64,16 @@ def chip_end(problem: Problem, mesh: Mesh, cut: Cut, tool: MovingTool, time: flo
     # Not beyond what holds the workpiece.
     held = np.isin(boundary.parts[order], _supported_parts(problem))
     last = int(np.argmax(held)) if held.any() else len(order)
-    start_way = way[first] if first < len(way) else math.inf
-    ends = np.flatnonzero(way[:last] > start_way + 2.0 * PIECE * cut.chip_length)
+    ends = np.arange(first + 1, last)
     if not len(ends):
         return ()
-    path = crossing(mesh, int(order[first]), order[ends], THICKEST * cut.depth)
-    return () if path is None else (path,)
+    beyond = way[ends] - way[first]
+    path = crossing(mesh, int(order[first]), order[ends], beyond, THICKEST * cut.depth)
+    if path is None:
+        return ()
+    # Round the piece: twice its length, and its end face.
+    round_piece = float(beyond[order[ends] == path.end][0])
+    return (path,) if round_piece > 2.0 * PIECE * cut.chip_length + path.length else ()
 
 
 def restricted(fields: Fields, severed: Severed) -> Fields:
