@@ -44,10 +44,10 @@ def case_of() -> Case:
     return case
 
 
-def fine_changes() -> tuple[str, ...]:
-    """All sizes, and their growth, over the ratio."""
+def sizes_times(factor: float) -> tuple[str, ...]:
+    """All sizes of the case, and their growth, times a factor."""
     mesh = case_of().mesh
-    return tuple(f"mesh.{key}={getattr(mesh, key) / RATIO:.4g}" for key in (*SIZES, "growth"))
+    return tuple(f"mesh.{key}={getattr(mesh, key) * factor:.4g}" for key in (*SIZES, "growth"))
 
 
 def measured(outcome: Outcome, case: Case) -> tuple[Frame, Profile, Segmentation, Oscillation, Oscillation]:
@@ -205,7 +205,7 @@ def save(figure: Any, path: Path) -> None:
 STUDY = Study(
     "serrated",
     FOLDER,
-    (Variant("coarse"), Variant("fine", fine_changes())),
+    (Variant("coarse", sizes_times(RATIO)), Variant("fine")),
     conclude,
     travel=case_of().cutting.travel,
     case=CASE,
