@@ -82,7 +82,7 @@ def cutting_problem(case: Case, material: Material) -> Problem:
             ),
         ),
         contact=contact_law(case.contact),
-        self_contact=self_contact(case.contact.self, mesh.chip_size, material),
+        self_contact=self_contact(case.contact, case.contact.self, mesh.chip_size, material),
         particles=particle_controls(mesh, size_field(mesh, tool, case.cutting.depth, height), velocity),
         time=time_controls(case.time, end),
         newton=newton_controls(case.solver),

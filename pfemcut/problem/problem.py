@@ -202,7 +202,7 @@ class SelfContact:
     Attributes
     ----------
     law
-        Law of this contact; its conductance is not used.
+        Law of this contact.
     thickness
         Distance at which surfaces touch (mm).
     spacing
