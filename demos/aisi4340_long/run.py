@@ -115,14 +115,11 @@ def memory_noted(directory: Path) -> Iterator[None]:
     def note() -> None:
         path = directory / MEMORY
         while not done.wait(5.0):
-            history = directory / HISTORY
-            travels = read_table(history)["travel"] if history.exists() else np.zeros(0)
-            if not len(travels):
-                continue
-            if not path.exists():
-                path.write_text("travel,megabytes\n", encoding="utf-8")
-            with path.open("a", encoding="utf-8") as file:
-                file.write(f"{travels[-1]:.5g},{resident_megabytes():.1f}\n")
+            for travel in last_travel(directory / HISTORY):
+                if not path.exists():
+                    path.write_text("travel,megabytes\n", encoding="utf-8")
+                with path.open("a", encoding="utf-8") as file:
+                    file.write(f"{travel:.5g},{resident_megabytes():.1f}\n")
 
     thread = threading.Thread(target=note, daemon=True)
     thread.start()
@@ -131,6 +128,19 @@ def memory_noted(directory: Path) -> Iterator[None]:
     finally:
         done.set()
         thread.join()
+
+
+def last_travel(history: Path) -> Iterator[float]:
+    """Travel (mm) of the last row but one, which is whole, or none. Reading all of the file would use memory, too."""
+    if not history.exists():
+        return
+    with history.open("rb") as file:
+        names = file.readline().decode().strip().split(",")
+        file.seek(max(-8192, file.tell() - history.stat().st_size), os.SEEK_END)
+        rows = [row.split(",") for row in file.read().decode().splitlines()[:-1]]
+    for row in rows[-1:]:
+        if len(row) == len(names):
+            yield float(row[names.index("travel")])
 
 
 def resident_megabytes() -> float:
