@@ -24,6 +24,8 @@ EFFUSIVITY = float(np.sqrt(CONDUCTIVITY * CAPACITY))
 MIDDLE = (0.5, 0.8)
 """Where it is looked at: away from the root of the slit and from its open end (mm)."""
 PERFECT = 1e6
+HALF_WIDTH = 0.0025
+"""Of the slit (mm)."""
 
 
 def conducted(size: float = 0.02, steps: int = 40, conductance: float = PERFECT) -> tuple[PfemMethod, float]:
@@ -67,11 +69,9 @@ def profile_error(method: PfemMethod) -> float:
     """Largest difference from the exact temperature of perfect contact, over the jump at the start."""
     height, temperature = middle(method)
     surface = interface_temperature(HOT, COLD, EFFUSIVITY, EFFUSIVITY)
-    exact = np.where(
-        height > 0.0,
-        profile(np.abs(height), END, surface, HOT, CONDUCTIVITY / CAPACITY),
-        profile(np.abs(height), END, surface, COLD, CONDUCTIVITY / CAPACITY),
-    )
+    depth, diffusivity = np.abs(height) - HALF_WIDTH, CONDUCTIVITY / CAPACITY
+    hot, cold = (profile(depth, END, surface, far, diffusivity) for far in (HOT, COLD))
+    exact = np.where(height > 0.0, hot, cold)
     return float(np.abs(temperature - exact).max() / (HOT - COLD))
 
 
@@ -131,7 +131,12 @@ def picture(perfect: PfemMethod, resisting: PfemMethod) -> None:
     surface = interface_temperature(HOT, COLD, EFFUSIVITY, EFFUSIVITY)
     depth = np.linspace(0.0, 0.3, 200)
     for far, sign in ((HOT, 1.0), (COLD, -1.0)):
-        axes.plot(sign * depth, profile(depth, END, surface, far, CONDUCTIVITY / CAPACITY), "k-", lw=0.8)
+        axes.plot(
+            sign * (depth + HALF_WIDTH),
+            profile(depth, END, surface, far, CONDUCTIVITY / CAPACITY),
+            "k-",
+            lw=0.8,
+        )
     axes.set(xlabel="above the slit (mm)", ylabel="temperature (K)", xlim=(-0.3, 0.3))
     axes.legend()
     save_picture(FOLDER, figure)
