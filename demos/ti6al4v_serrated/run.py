@@ -19,6 +19,7 @@ from pfemcut.case.load import load_case
 from pfemcut.case.schema import Case
 from pfemcut.method import Frame
 from pfemcut.output.vtu import read_last_frame
+from pfemcut.problem import Cut
 from pfemcut.results.derived.segmentation import (
     Oscillation,
     Profile,
@@ -53,7 +54,8 @@ def sizes_times(factor: float) -> tuple[str, ...]:
 def measured(outcome: Outcome, case: Case) -> tuple[Frame, Profile, Segmentation, Oscillation, Oscillation]:
     """Last frame, thickness profile, segments, and the oscillations of cutting and thrust force."""
     frame = read_last_frame(outcome.directory)
-    profile = thickness_profile(frame, frame.tool[0], case.cutting.depth)
+    cut = Cut(case.cutting.depth, case.cutting.speed, case.workpiece.height)
+    profile = thickness_profile(frame, frame.tool[0], cut)
     found = segmentation(profile, case.cutting.depth, case.cutting.speed)
     history = outcome.history
     later = history["travel"] >= BEGIN
@@ -104,7 +106,7 @@ def figures(
         "peak": found.peak,
         "valley": found.valley,
         "degree": found.degree,
-        "mean_thickness": found.mean,
+        "uncut_length": found.uncut,
         "frequency_chip": 1e-3 * found.frequency,
         "frequency_spectrum": 1e-3 * cutting.spectral_frequency,
         "share_of_variance": cutting.spectral_share,

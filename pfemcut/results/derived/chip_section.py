@@ -86,21 +86,11 @@ def chip_section(frame: Frame, tool: RigidWedge, depth: float, reach: float = 2.
     surface = _surface_beyond_contact(frame)
     if surface.size < FEWEST:
         return _NOTHING
-    stations = depth * (1.0 + (reach - 1.0) * (np.arange(STATIONS) + 0.5) / STATIONS)
-    section, found = section_at(frame, tool, depth, surface, stations)
-    return section if len(found) >= FEWEST else _NOTHING
-
-
-def section_at(
-    frame: Frame, tool: RigidWedge, depth: float, surface: IntArray, stations: Array
-) -> tuple[ChipSection, Array]:
-    """Measure the chip at ``stations`` (mm) along the boundary particles ``surface``; the section and those in it.
-
-    A station is left out that lies less than a depth from the end of the chip, or is not on it.
-    """
     points = to_rake_frame(frame.points, tool)
     line = points[surface]
     arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
+    stations = depth * (1.0 + (reach - 1.0) * (np.arange(STATIONS) + 0.5) / STATIONS)
+
     rake_side = _along(arc, line, stations)
     chord = _along(arc, line, stations + HALF_CHORD * depth) - _along(
         arc, line, stations - HALF_CHORD * depth
@@ -122,16 +112,17 @@ def section_at(
     # From a station round the chip's end to the free side abreast: twice the way to the end, and the end face.
     way_round = arc[nearest] - stations
     valid = (distance < THICKEST * depth) & (way_round > 2.0 * depth + distance)
+    if np.count_nonzero(valid) < FEWEST:
+        return _NOTHING
     velocity = np.asarray(frame.point_fields["velocity"], dtype=np.float64)[surface]
     velocity = np.column_stack([velocity @ tool.rake_direction, velocity @ tool.rake_normal])
-    section = ChipSection(
+    return ChipSection(
         rake_side[valid],
         free_side[valid],
         direction[valid],
         0.5 * (_along(arc, velocity, stations) + velocity[nearest])[valid],
-        bool(valid.all()),
+        np.count_nonzero(valid) == STATIONS,
     )
-    return section, stations[valid]
 
 
 def _surface_beyond_contact(frame: Frame) -> IntArray:

@@ -1,15 +1,16 @@
 """Segments of a serrated chip: spacing, peak and valley thickness, frequency (from the chip, and from the force).
 
-**From the chip.** The thickness profile h(s): at distances s along the chip's rake side, from the rake tangent point
-to the end of the chip, the distance to its free side, normal to the chord over a quarter depth (as for
-:mod:`pfemcut.results.derived.chip_thickness`). Peaks and valleys are its local extremes that stand out by more than
-5 % of the depth of cut; a segment lies between two valleys, so the one being formed and the first are not counted.
+**From the chip.** Each particle of the chip's free side has a thickness h, its distance to the chip's rake side, and a
+place s, the foot's distance from the rake tangent point along the rake side. The free side is what was the uncut
+surface, which its particles' displacement tells; the rake side goes from the tool's tip to the middle of the end face.
+Along the free side, peaks and valleys are the local extremes of h that stand out by more than 5 % of the depth of cut.
+So a valley is measured at the root of the notch, even where the segment behind hangs over it. A segment lies between
+two valleys; the one being formed and the first are not counted.
 
 - degree of segmentation G = (h_peak - h_valley) / h_peak, of the mean peak and the mean valley (Schulz, Abele, Sahm
   2001, CIRP Annals 50, 45-48);
 - spacing: mean distance between valleys along the rake side;
-- frequency = V depth / (spacing × mean thickness between the first and the last valley): by conservation of volume
-  the chip passes at V depth / thickness.
+- frequency = V / the mean distance that the particles in the valleys had on the uncut surface.
 
 **From the force.** Its time history is resampled evenly and freed from its linear trend. The frequency is the highest
 peak of its power spectrum (Hann's window) above two periods in the record; and one over the mean interval between
@@ -26,15 +27,19 @@ from numpy.typing import NDArray
 from scipy.signal import detrend, find_peaks
 
 from pfemcut.method import Frame
-from pfemcut.results.derived.chip_section import section_at, to_rake_frame
+from pfemcut.problem import Cut
 from pfemcut.tools.rigid_wedge import RigidWedge
 
 Array = NDArray[np.float64]
 
 PROMINENCE = 0.05
 """How far an extreme of the thickness stands out, in depths."""
-SPACING = 0.02
-"""Distance between the stations of the profile, in depths."""
+NEAR_SURFACE = 0.1
+"""Depth below the uncut surface down to which a boundary particle belongs to the free side, in depths."""
+ROOT = 1.2
+"""Place up the rake face from which the chip is looked at, in depths: below is the root, which no tooth has left."""
+END = 0.1
+"""What is left out before the end of the chip, in depths."""
 SAMPLES = 4096
 PADDING = 8
 """Zeros behind the force, in lengths of the record: they interpolate the spectrum."""
@@ -43,10 +48,15 @@ FEWEST_PERIODS = 2.0
 
 @dataclass(frozen=True)
 class Profile:
-    """Thickness of the chip (mm) at places along its rake side (mm from the rake tangent point); shape (k,)."""
+    """Thickness of the chip (mm) at the particles of its free side, from the root to the end; shape (k,).
+
+    ``along`` is the place of each along the rake side (mm from the rake tangent point); it may go back where the free
+    side hangs over. ``origin`` is where it was along the uncut surface (mm).
+    """
 
     along: Array
     thickness: Array
+    origin: Array
 
 
 @dataclass(frozen=True)
@@ -61,8 +71,8 @@ class Segmentation:
         Of valleys along the rake side: mean and standard deviation (mm).
     peak, valley
         Mean thickness at peaks and at valleys (mm).
-    mean
-        Mean thickness between the first and the last valley (mm).
+    uncut
+        Mean distance that valleys had on the uncut surface (mm).
     frequency
         Segments per second (1/s).
     """
@@ -72,7 +82,7 @@ class Segmentation:
     spacing_std: float
     peak: float
     valley: float
-    mean: float
+    uncut: float
     frequency: float
 
     @property
@@ -107,20 +117,42 @@ class Oscillation:
     cycle_frequency: float
 
 
-def thickness_profile(frame: Frame, tool: RigidWedge, depth: float) -> Profile:
-    """The chip's thickness along its rake side, from one depth above the rake tangent point to one before its end."""
-    points = to_rake_frame(frame.points, tool)
-    nearest = [int(np.argmin(np.hypot(*points[loop].T))) for loop in frame.loops]
-    at = [np.hypot(*points[loop[first]]) for loop, first in zip(frame.loops, nearest, strict=True)]
-    chosen = int(np.argmin(at))
-    line = np.roll(frame.loops[chosen], -nearest[chosen])
-    edges = np.hypot(*np.diff(points[line], axis=0).T)
-    stations = np.arange(depth, float(edges.sum()), SPACING * depth)
-    section, along = section_at(frame, tool, depth, line, stations)
-    # Beyond the first gap the rays run from the free side.
-    gaps = np.flatnonzero(np.diff(along) > 1.5 * SPACING * depth)
-    count = int(gaps[0]) + 1 if gaps.size else len(along)
-    return Profile(along[:count], section.thickness[:count])
+def thickness_profile(frame: Frame, tool: RigidWedge, cut: Cut) -> Profile:
+    """The chip's thickness along its free side, from 1.2 depths above the rake tangent point."""
+    points = frame.points
+    initial = points - np.asarray(frame.point_fields["displacement"], dtype=np.float64)
+    below = cut.surface - initial[:, 1]
+    away = [np.hypot(*(points[loop] - tool.rake_tangent_point).T) for loop in frame.loops]
+    chosen = int(np.argmin([each.min() for each in away]))
+    loop = np.roll(frame.loops[chosen], -int(np.argmin(away[chosen])))
+    middle = np.flatnonzero(below[loop] < 0.5 * cut.depth)
+    on_top = np.flatnonzero(below[loop] < NEAR_SURFACE * cut.depth)
+    if not middle.size or middle[0] < 2 or not on_top.size:
+        return Profile(np.empty(0), np.empty(0), np.empty(0))
+    rake_side = points[loop[: middle[0]]]
+    side = loop[on_top[0] :]
+    thickness, along = distance_to_line(points[side], rake_side)
+    # From the end of the chip to its root.
+    root = np.flatnonzero(along < ROOT * cut.depth)
+    last = int(root[0]) if root.size else 0
+    first = int(np.argmax(along < along[:last].max(initial=0.0) - END * cut.depth))
+    chosen_side = slice(first, last)
+    return Profile(
+        along[chosen_side][::-1], thickness[chosen_side][::-1], initial[side[chosen_side], 0][::-1]
+    )
+
+
+def distance_to_line(points: Array, line: Array) -> tuple[Array, Array]:
+    """Distance of each of ``points`` (n, 2) to the polyline ``line`` (b, 2), and how far along it the foot is; (n,)."""
+    start, edge = line[:-1], np.diff(line, axis=0)
+    length = np.hypot(*edge.T)
+    before = np.concatenate([[0.0], np.cumsum(length)])[:-1]
+    offset = points[:, None, :] - start
+    place = np.clip(np.sum(offset * edge, axis=2) / np.maximum(length, 1e-300) ** 2, 0.0, 1.0)
+    apart = np.hypot(*np.moveaxis(offset - place[:, :, None] * edge, 2, 0))
+    nearest = np.argmin(apart, axis=1)
+    rows = np.arange(len(points))
+    return apart[rows, nearest], before[nearest] + place[rows, nearest] * length[nearest]
 
 
 def segmentation(profile: Profile, depth: float, speed: float) -> Segmentation:
@@ -130,19 +162,17 @@ def segmentation(profile: Profile, depth: float, speed: float) -> Segmentation:
     valleys, _ = find_peaks(-thickness, prominence=limit)
     if len(valleys) < 2:
         return Segmentation(0, *[math.nan] * 6)
-    within = slice(int(valleys[0]), int(valleys[-1]) + 1)
     peaks = [int(a + np.argmax(thickness[a:b])) for a, b in zip(valleys[:-1], valleys[1:], strict=True)]
-    spacing = np.diff(along[valleys])
-    # The stations are evenly spaced.
-    mean = float(thickness[within].mean())
+    spacing = np.abs(np.diff(along[valleys]))
+    uncut = float(np.abs(np.diff(profile.origin[valleys])).mean())
     return Segmentation(
         count=len(peaks),
         spacing=float(spacing.mean()),
         spacing_std=float(spacing.std()),
         peak=float(thickness[peaks].mean()),
         valley=float(thickness[valleys].mean()),
-        mean=mean,
-        frequency=speed * depth / (float(spacing.mean()) * mean),
+        uncut=uncut,
+        frequency=speed / uncut,
     )
 
 
