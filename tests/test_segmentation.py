@@ -33,9 +33,12 @@ UNCUT = 0.11
 
 
 def serrated_frame(
-    rake: float, rise: float, curl: float = np.inf, length: float = 0.9, lean: float = 0.0
+    rake: float, rise: float, curl: float = np.inf, length: float = 0.9, lean: float = 0.0, lift: float = 0.0
 ) -> Frame:
-    """The smooth chip of ``outline_frame`` with a saw-toothed free side, whose teeth hang over by ``lean`` (mm)."""
+    """The smooth chip of ``outline_frame`` with a saw-toothed free side, whose teeth hang over by ``lean`` (mm).
+
+    The uncut surface ahead is lifted by ``lift`` (mm).
+    """
     smooth, tool = outline_frame(rake, 0.1), tool_of(rake)
     s = np.linspace(0.0, length, 1800)
 
@@ -52,12 +55,13 @@ def serrated_frame(
     rake_side = np.vstack(
         [from_rake_frame(tool, np.linspace(0.0, 0.15, 60), np.zeros(60)), side(s, 0.0 * s)[1:]]
     )
-    ahead = np.column_stack([np.linspace(-0.3, -3.0, 50), np.full(50, CUT.surface)])
+    ahead = np.column_stack([np.linspace(-0.3, -3.0, 50), np.full(50, CUT.surface + lift)])
     block = np.array([[-3.0, -1.0], [3.0, -1.0], [3.0, -TIP]])
     points = np.vstack([rake_side, free_side, ahead, block])
     # What was the uncut surface: teeth at their distance in it, growing against the cutting direction.
     initial = points.copy()
     initial[: len(rake_side), 1] = CUT.surface - DEPTH
+    initial[-len(block) - len(ahead) : -len(block), 1] = CUT.surface
     first = len(rake_side)
     initial[first : first + len(s)] = np.column_stack([UNCUT / PITCH * s[::-1], np.full(len(s), CUT.surface)])
     count = len(points)
@@ -99,6 +103,14 @@ def test_a_curled_saw_tooth_chip_has_its_measures_too() -> None:
     assert found.spacing == pytest.approx(PITCH, rel=0.02)
     assert found.degree == pytest.approx((PEAK - VALLEY) / PEAK, abs=0.02)
     assert found.frequency == pytest.approx(SPEED / UNCUT, rel=0.01)
+
+
+def test_the_uncut_surface_is_no_chip_wherever_it_lies() -> None:
+    """Even where no foot lies below 1.2 depths."""
+    found = measured(serrated_frame(0.0, 0.5, lift=0.1), 0.0)
+    assert found.count >= 8
+    assert found.uncut == pytest.approx(UNCUT, rel=0.01)
+    assert found.peak == pytest.approx(PEAK, rel=0.01)
 
 
 @pytest.mark.parametrize("curl", [np.inf, 0.6])

@@ -133,8 +133,9 @@ def thickness_profile(frame: Frame, tool: RigidWedge, cut: Cut) -> Profile:
     side = loop[on_top[0] :]
     thickness, along = distance_to_line(points[side], rake_side)
     # From the end of the chip to its root.
-    root = np.flatnonzero(along < ROOT * cut.depth)
-    last = int(root[0]) if root.size else 0
+    lowest = int(np.argmin(along))
+    root = np.flatnonzero(along[:lowest] < ROOT * cut.depth)
+    last = int(root[0]) if root.size else lowest
     first = int(np.argmax(along < along[:last].max(initial=0.0) - END * cut.depth))
     chosen_side = slice(first, last)
     return Profile(
