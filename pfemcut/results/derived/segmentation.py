@@ -130,7 +130,7 @@ def thickness_profile(frame: Frame, tool: RigidWedge, cut: Cut) -> Profile:
     if not middle.size or middle[0] < 2 or not on_top.size:
         return Profile(np.empty(0), np.empty(0), np.empty(0))
     rake_side = points[loop[: middle[0]]]
-    side = loop[on_top[0] :]
+    side = loop[on_top[0] : on_top[-1] + 1]
     thickness, along = distance_to_line(points[side], rake_side)
     # From the end of the chip to its root.
     lowest = int(np.argmin(along))
