@@ -141,8 +141,8 @@ def overridden(table: Mapping[str, Any], override: str) -> dict[str, Any]:
     target, equals, text = override.partition("=")
     keys = [key.strip() for key in target.split(".")]
     if not equals or not all(keys):
-        raise CaseError([f"--set: given '{override}', must be section.key=value"])
-    return replaced(table, keys, toml_value(text), f"--set: given '{override}'")
+        raise CaseError([f"--set: given {override!r}, must be section.key=value"])
+    return replaced(table, keys, toml_value(text), f"--set: given {override!r}")
 
 
 def replaced(table: Mapping[str, Any], keys: Sequence[str], value: Any, origin: str) -> dict[str, Any]:

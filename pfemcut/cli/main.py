@@ -1,4 +1,4 @@
-"""The command line: ``pfemcut run | sweep | compare | converge | calibrate | check | report | profiles | materials``.
+"""The command line, ``pfemcut COMMAND``; commands with more than a few lines have a file of their own beside this one.
 
 Exit status 0 for success (a finished, valid run), 1 for a run that stopped, 2 for bad input, 130 for Ctrl-C.
 Whatever is slow to import (dolfinx, matplotlib) is imported by the command that needs it.
@@ -19,6 +19,8 @@ from pfemcut.case.load import directed, load_case
 from pfemcut.cli.calibrate import calibrate
 from pfemcut.cli.compare import compare
 from pfemcut.cli.converge import converge
+from pfemcut.cli.examples import examples
+from pfemcut.cli.new import new
 from pfemcut.cli.profiles import profiles
 from pfemcut.cli.speech import complain, say
 from pfemcut.cli.sweep import sweep
@@ -87,7 +89,8 @@ def run(
         Path | None, typer.Option("-o", "--output", metavar="DIR", help="Folder of the results.")
     ] = None,
     travel: Annotated[
-        float | None, typer.Option(metavar="MM", help="Travel of the tool, instead of the case's.")
+        str | None,
+        typer.Option(metavar="LENGTH", help="Travel of the tool, instead of the case's: 1 (mm), or '1 mm'."),
     ] = None,
     overrides: Overrides = [],  # noqa: B006 (typer copies it)
     resume: Annotated[bool, typer.Option("--resume", help="Continue from the last checkpoint.")] = False,
@@ -127,6 +130,8 @@ app.command()(sweep)
 app.command()(compare)
 app.command()(converge)
 app.command()(calibrate)
+app.command()(examples)
+app.command()(new)
 app.command()(profiles)
 
 
