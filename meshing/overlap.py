@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-
-_CHUNK = 4_000_000  # pairs of bounding boxes tested at once
 
 
 @dataclass(frozen=True)
@@ -56,16 +55,44 @@ def overlap(new: Array, old: Array) -> Overlap:
 
 def _near_pairs(new: Array, old: Array) -> tuple[IntArray, IntArray]:
     """Pairs whose bounding boxes overlap."""
-    low, high = old.min(axis=1), old.max(axis=1)
-    rows = max(1, _CHUNK // max(1, len(old)))
-    pairs = [(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64))]
-    for first in range(0, len(new), rows):
-        some = new[first : first + rows]
-        near = (some.min(axis=1)[:, None] < high) & (some.max(axis=1)[:, None] > low)
-        i, j = np.nonzero(near.all(axis=2))
-        pairs.append((i + first, j))
-    i, j = (np.concatenate(each) for each in zip(*pairs, strict=True))
-    return i, j
+    boxes = new.min(axis=1), new.max(axis=1), old.min(axis=1), old.max(axis=1)
+    first = np.concatenate([[0], np.cumsum(_count_near(*boxes))])
+    return _fill_near(*boxes, first)
+
+
+@njit(cache=True)
+def _count_near(low, high, old_low, old_high):  # type: ignore[no-untyped-def]
+    """How many old boxes each new box overlaps."""
+    count = np.zeros(len(low), dtype=np.int64)
+    for i in range(len(low)):
+        for j in range(len(old_low)):
+            count[i] += (
+                (low[i, 0] < old_high[j, 0])
+                & (high[i, 0] > old_low[j, 0])
+                & (low[i, 1] < old_high[j, 1])
+                & (high[i, 1] > old_low[j, 1])
+            )
+    return count
+
+
+@njit(cache=True)
+def _fill_near(low, high, old_low, old_high, first):  # type: ignore[no-untyped-def]
+    """The overlapping pairs; those of new box i stand at first[i] to first[i + 1]."""
+    new, old = np.empty(first[-1], dtype=np.int64), np.empty(first[-1], dtype=np.int64)
+    for i in range(len(low)):
+        at = first[i]
+        for j in range(len(old_low)):
+            if at == first[i + 1]:
+                break
+            if (
+                (low[i, 0] < old_high[j, 0])
+                & (high[i, 0] > old_low[j, 0])
+                & (low[i, 1] < old_high[j, 1])
+                & (high[i, 1] > old_low[j, 1])
+            ):
+                new[at], old[at] = i, j
+                at += 1
+    return new, old
 
 
 def _clip(polygon: Array, start: Array, end: Array) -> Array:
