@@ -51,15 +51,16 @@ def write_predictions(
         Measured figures by cut.
     """
     run = [cut for cut in cuts if cut.name in outcomes]
-    predictions: dict[str, dict[str, Figure]] = {}
-    for cut in run:
-        scattered = predicted(outcomes[cut.name], cut.depth)
-        predictions[cut.name] = {
+    scattered = {cut.name: predicted(outcomes[cut.name], cut.depth) for cut in run}
+    predictions = {
+        cut: {
             name: Figure(
                 figure.value, half_width(figure.value, [part[name] for part in parts], figure.half_width)
             )
-            for name, figure in scattered.items()
+            for name, figure in figures.items()
         }
+        for cut, figures in scattered.items()
+    }
     found = differences(predictions, measured)
     header = ["cut", "depth_mm", "speed_m_min"]
     for name in LABELS:
@@ -79,17 +80,16 @@ def write_predictions(
         outcome = outcomes[cut.name]
         row: list[str | float] = [cut.name, cut.depth, cut.speed]
         for name in LABELS:
-            figure, deviation = predictions[cut.name][name], predicted(outcome, cut.depth)[name].half_width
+            figure, deviation = predictions[cut.name][name], scattered[cut.name][name].half_width
             given = measured.get(cut.name, {}).get(name, Figure(math.nan, math.nan))
             difference = found.get(cut.name, {}).get(name, math.nan)
             row += [figure.value, figure.half_width, deviation, given.value, given.half_width, difference]
-        complete = outcome.history.get("chip_complete", np.zeros(1))
         row += [
             *_shares(outcome, cut.speed),
             outcome.mean("contact_length"),
             outcome.mean("max_temperature"),
             "yes" if outcome.summary["steady"]["value"] else "no",
-            "yes" if _complete_in_window(outcome, complete) else "no",
+            "yes" if _complete_in_window(outcome) else "no",
             float(outcome.history["nodes"][-1]),
             float(outcome.summary["steps"]["value"]),
         ]
@@ -180,8 +180,9 @@ def _shares(outcome: Outcome, speed: float) -> list[float]:
     return [float(force) for part in (found.rake, found.tip, found.flank) for force in part]
 
 
-def _complete_in_window(outcome: Outcome, complete: Any) -> bool:
+def _complete_in_window(outcome: Outcome) -> bool:
+    """Whether the chip was, all over the window, long enough for the whole range of its thickness."""
     begin, end = outcome.summary["window"]
     travel = outcome.history["travel"]
-    inside = (travel >= begin) & (travel <= end) if len(complete) == len(travel) else np.ones(0, dtype=bool)
-    return bool(inside.any() and np.mean(complete[inside]) >= 1.0)
+    inside = (travel >= begin) & (travel <= end)
+    return bool(inside.any() and np.all(outcome.history["chip_complete"][inside] >= 1.0))
