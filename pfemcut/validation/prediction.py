@@ -83,6 +83,11 @@ class PlannedCut:
     speed: float
 
 
+def planned(micrometres: int, speed: float) -> PlannedCut:
+    """A cut by its uncut chip thickness (um) and speed (m/min), named by both."""
+    return PlannedCut(f"{micrometres}um_{speed:g}", micrometres / 1000.0, speed)
+
+
 def cut_changes(
     cut: PlannedCut,
     tip_size: float,
