@@ -18,8 +18,6 @@ TIP_SIZE = 0.0075  # mm
 SPEEDS = [333.3, 666.7, 1000.0, 1333.3, 1666.7]
 COEFFICIENTS = [0.421, 0.367, 0.316, 0.270, 0.244]
 TRAVEL = 10.0  # depths of cut
-# Of the tool in the nominal step, in tip sizes: see README.md.
-ADVANCE = 0.2
 
 
 BASE = planned(200, 100.0)
@@ -29,7 +27,7 @@ CUTS = (BASE, planned(100, 100.0), planned(300, 100.0), planned(100, 50.0))
 def changes(cut: PlannedCut, mesh_factor: float = 1.0, step_factor: float = 1.0) -> tuple[str, ...]:
     return (
         f'title="AISI 1045, {cut.depth:g} mm, {cut.speed:g} m/min"',
-        *cut_changes(cut, TIP_SIZE, mesh_factor, step_factor, ADVANCE),
+        *cut_changes(cut, TIP_SIZE, mesh_factor, step_factor),
     )
 
 
