@@ -9,7 +9,7 @@ coarser mesh it shows what each choice moves. It concludes from the runs that ar
 from pathlib import Path
 
 from pfemcut.validation.prediction import PlannedCut, cut_changes, planned
-from pfemcut.validation.prediction_study import MESH_RATIO, PredictedSet
+from pfemcut.validation.prediction_study import MESH_RATIO, CutAgain, PredictedSet
 from pfemcut.validation.study import main
 
 FOLDER = Path(__file__).resolve().parent
@@ -25,7 +25,7 @@ def travel(cut: PlannedCut) -> float:
     return max(8.0 * cut.depth, 0.36)
 
 
-BASE = planned(60, 30.0)
+BASE, SLOW = planned(60, 30.0), planned(60, 5.0)
 CUTS = tuple(planned(depth, speed) for depth in (40, 60, 80) for speed in FRICTION)
 
 
@@ -64,6 +64,10 @@ PREDICTED = PredictedSet(
     changes=changes,
     travels={cut.name: travel(cut) for cut in CUTS},
     choices=CHOICES,
+    again=(
+        CutAgain("slow_hot_tool", SLOW, ("tool.temperature=600.0",), travel(SLOW)),
+        CutAgain("slow_long", SLOW, ("workpiece.length=2.4",), 1.2),
+    ),
 )
 STUDY = PREDICTED.study()
 

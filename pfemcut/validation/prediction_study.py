@@ -29,6 +29,16 @@ class CutChanges(Protocol):
 
 
 @dataclass(frozen=True)
+class CutAgain:
+    """A run of a cut as it is predicted, but for what is ``different`` and its travel (mm)."""
+
+    name: str
+    cut: PlannedCut
+    different: tuple[str, ...]
+    travel: float
+
+
+@dataclass(frozen=True)
 class PredictedSet:
     """A set of cuts that were measured and are predicted.
 
@@ -51,6 +61,8 @@ class PredictedSet:
         Travel of each cut (mm), by name.
     choices
         Changes of the sensitivities, by name.
+    again
+        Cuts that are run again with other changes.
     """
 
     folder: Path
@@ -60,6 +72,7 @@ class PredictedSet:
     changes: CutChanges
     travels: Mapping[str, float]
     choices: Mapping[str, tuple[str, ...]]
+    again: tuple[CutAgain, ...] = ()
 
     def study(self) -> Study:
         """The runs in their order, and how they are concluded."""
@@ -73,6 +86,10 @@ class PredictedSet:
                 *(
                     self._repeated(name, (*self.changes(self.base, mesh_factor=MESH_RATIO), *different))
                     for name, different in self.choices.items()
+                ),
+                *(
+                    Variant(again.name, (*self.changes(again.cut), *again.different), again.travel)
+                    for again in self.again
                 ),
             ),
             self.conclude,
@@ -102,11 +119,13 @@ class PredictedSet:
         }
         content |= write_sensitivities(
             results / "sensitivities.csv",
-            f"{self.material}, {1000.0 * self.base.depth:g} um, {self.base.speed:g} m/min: what moves it",
-            COARSE,
-            [self.base.name, LONG, *self.choices],
+            f"{self.material}: what moves it",
+            {
+                **dict.fromkeys((COARSE, LONG), (self.base.name, self.base)),
+                **dict.fromkeys(self.choices, (COARSE, self.base)),
+                **{again.name: (again.cut.name, again.cut) for again in self.again},
+            },
             runs,
-            self.base,
         )
         return content, not content["not_run"]
 
