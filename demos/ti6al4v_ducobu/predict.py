@@ -20,9 +20,14 @@ FRICTION = {5.0: 0.24, 7.5: 0.22, 10.0: 0.21, 20.0: 0.19, 30.0: 0.18, 40.0: 0.17
 TOOL_SHARE = {5.0: 1.00, 7.5: 0.89, 10.0: 0.80, 20.0: 0.63, 30.0: 0.55, 40.0: 0.50}
 
 
+def slow(cut: PlannedCut) -> bool:
+    """Whether the chip thickens for long before it is steady."""
+    return cut.speed < 30.0
+
+
 def travel(cut: PlannedCut) -> float:
-    """8 depths, with at least 0.16 mm of window (it begins after 0.2 mm)."""
-    return max(8.0 * cut.depth, 0.36)
+    """20 depths if slow, else 8 with at least 0.16 mm of window (it begins after 0.2 mm)."""
+    return 20.0 * cut.depth if slow(cut) else max(8.0 * cut.depth, 0.36)
 
 
 BASE, SLOW = planned(60, 30.0), planned(60, 5.0)
@@ -37,6 +42,7 @@ def changes(cut: PlannedCut, mesh_factor: float = 1.0, step_factor: float = 1.0)
     return (
         f'title="Ti6Al4V, {1000.0 * cut.depth:g} um, {cut.speed:g} m/min"',
         *cut_changes(cut, TIP_SIZE, mesh_factor, step_factor),
+        *((f"workpiece.length={40.0 * cut.depth:.6g}",) if slow(cut) else ()),
         limited(FRICTION[cut.speed], LIMIT),
         f"contact.heat_partition={1.0 - TOOL_SHARE[cut.speed]:.6g}",
     )
@@ -66,7 +72,7 @@ PREDICTED = PredictedSet(
     choices=CHOICES,
     again=(
         CutAgain("slow_hot_tool", SLOW, ("tool.temperature=600.0",), travel(SLOW)),
-        CutAgain("slow_long", SLOW, ("workpiece.length=2.4",), 1.2),
+        CutAgain("slow_short", SLOW, (), 8.0 * SLOW.depth),
     ),
 )
 STUDY = PREDICTED.study()

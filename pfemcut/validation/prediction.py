@@ -96,8 +96,9 @@ def cut_changes(
 ) -> tuple[str, ...]:
     """What a cut changes in its set's case: depth, speed, block, mesh and steps, but for friction.
 
-    The block is 10 depths high and 20 long. The shear zone has 12 particles a depth. In the nominal step the tool
-    goes on by a tenth of ``tip_size`` (mm), in the largest by half of it; the controller chooses between.
+    The block is 10 depths high and 20 long, for a travel up to 10. The shear zone has 12 particles a depth. In the
+    nominal step the tool goes on by a tenth of ``tip_size`` (mm), in the largest by half of it; the controller chooses
+    between.
     """
     depth, speed = cut.depth, cut.speed * 1000.0 / 60.0
     sizes = {

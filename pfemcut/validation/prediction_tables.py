@@ -9,6 +9,7 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from pfemcut.output.vtu import read_last_frame
@@ -139,7 +140,7 @@ def draw(
         panel.grid(alpha=0.3)
     axes[0].set_title(title)
     axes[0].legend(fontsize="small")
-    axes[-1].set_xticks(places, [_cut_label(cut) for cut in cuts], fontsize="small")
+    _label_cuts(axes[-1], cuts)
     figure.savefig(path, dpi=90)
     plt.close(figure)
 
@@ -179,7 +180,7 @@ def draw_shares(
         panel.grid(alpha=0.3, axis="y")
     axes[0].set_title(title)
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=len(PARTS) + 2)
-    axes[-1].set_xticks(places, [_cut_label(cut) for cut in cuts], fontsize="small")
+    _label_cuts(axes[-1], cuts)
     figure.savefig(path, dpi=90)
     plt.close(figure)
 
@@ -229,8 +230,9 @@ def _row_shares(header: Sequence[str], row: Sequence[str | float]) -> NDArray[np
     return np.array([float(named[name]) for name in SHARES]).reshape(len(PARTS), 2)
 
 
-def _cut_label(cut: PlannedCut) -> str:
-    return f"{1e3 * cut.depth:g} µm\n{cut.speed:g}\nm/min"
+def _label_cuts(axis: Axes, cuts: Sequence[PlannedCut]) -> None:
+    axis.set_xticks(range(len(cuts)), [f"{1e3 * cut.depth:g}\n{cut.speed:g}" for cut in cuts])
+    axis.set_xlabel("uncut chip thickness (µm) over cutting speed (m/min)")
 
 
 def _complete_in_window(outcome: Outcome) -> bool:
