@@ -31,6 +31,11 @@ def changes(cut: PlannedCut, mesh_factor: float = 1.0, step_factor: float = 1.0)
     )
 
 
+def material(different: str) -> str:
+    """The workpiece's material with another constant of its hardening."""
+    return f'workpiece.material={{base = "aisi1045_klocke", hardening = {{{different}}}}}'
+
+
 LIMITED = f'{{law = "table", shear_factor = 1.0, coefficient = {{at = {SPEEDS}, value = {COEFFICIENTS}}}}}'
 FINE_TIP = f"mesh.tip_size={TIP_SIZE / MESH_RATIO:.6g}"
 CHOICES = {
@@ -43,6 +48,8 @@ CHOICES = {
     "fine_tip": (FINE_TIP,),
     "edge_15um": ("tool.tip_radius=0.015", FINE_TIP),
     "edge_60um": ("tool.tip_radius=0.06",),
+    "reference_rate_low": (material("reference_rate = 0.001"),),
+    "melts_at_1793": (material("melting_temperature = 1793.0"),),
 }
 PREDICTED = PredictedSet(
     folder=FOLDER,
