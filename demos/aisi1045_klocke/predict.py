@@ -9,7 +9,7 @@ coarser mesh it shows what each choice moves. It concludes from the runs that ar
 from pathlib import Path
 
 from pfemcut.validation.prediction import PlannedCut, cut_changes, planned
-from pfemcut.validation.prediction_study import MESH_RATIO, PredictedSet
+from pfemcut.validation.prediction_study import MESH_RATIO, CutAgain, PredictedSet
 from pfemcut.validation.study import main
 
 FOLDER = Path(__file__).resolve().parent
@@ -36,11 +36,16 @@ def material(different: str) -> str:
     return f'workpiece.material={{base = "aisi1045_klocke", hardening = {{{different}}}}}'
 
 
-LIMITED = f'{{law = "table", shear_factor = 1.0, coefficient = {{at = {SPEEDS}, value = {COEFFICIENTS}}}}}'
+def friction(other: str) -> str:
+    """The paper's friction with another key of the law."""
+    return f'contact.friction={{law = "table", {other}, coefficient = {{at = {SPEEDS}, value = {COEFFICIENTS}}}}}'
+
+
 FINE_TIP = f"mesh.tip_size={TIP_SIZE / MESH_RATIO:.6g}"
 CHOICES = {
     "frictionless": ("contact.friction=0.0",),
-    "limit_own_strength": (f"contact.friction={LIMITED}",),
+    "limit_own_strength": (friction("shear_factor = 1.0"),),
+    "memory_20um": (friction("memory = 0.02"),),
     "coefficient_slowest": (f"contact.friction={COEFFICIENTS[0]}",),
     "coefficient_fastest": (f"contact.friction={COEFFICIENTS[-1]}",),
     "adiabatic_tool": ("contact.conductance=0.0", "contact.heat_partition=1.0"),
@@ -59,6 +64,7 @@ PREDICTED = PredictedSet(
     changes=changes,
     travels={cut.name: TRAVEL * cut.depth for cut in CUTS},
     choices=CHOICES,
+    again=(CutAgain("no_memory", BASE, (friction("memory = 0.0"),), TRAVEL * BASE.depth),),
 )
 STUDY = PREDICTED.study()
 
