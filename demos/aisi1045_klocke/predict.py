@@ -17,17 +17,22 @@ TIP_SIZE = 0.0075  # mm
 # The paper's, by sliding speed (mm/s).
 SPEEDS = [333.3, 666.7, 1000.0, 1333.3, 1666.7]
 COEFFICIENTS = [0.421, 0.367, 0.316, 0.270, 0.244]
-TRAVEL = 10.0  # depths of cut
 
 
 BASE = planned(200, 100.0)
 CUTS = (BASE, planned(100, 100.0), planned(300, 100.0), planned(100, 50.0))
 
 
+def travel(cut: PlannedCut) -> float:
+    """10 depths, with at least 2 mm: shorter chips never were as long as their thickness is defined over."""
+    return max(10.0 * cut.depth, 2.0)
+
+
 def changes(cut: PlannedCut, mesh_factor: float = 1.0, step_factor: float = 1.0) -> tuple[str, ...]:
     return (
         f'title="AISI 1045, {cut.depth:g} mm, {cut.speed:g} m/min"',
         *cut_changes(cut, TIP_SIZE, mesh_factor, step_factor),
+        *((f"workpiece.length={2.0 * travel(cut):.6g}",) if travel(cut) > 10.0 * cut.depth else ()),
     )
 
 
@@ -62,9 +67,9 @@ PREDICTED = PredictedSet(
     cuts=CUTS,
     base=BASE,
     changes=changes,
-    travels={cut.name: TRAVEL * cut.depth for cut in CUTS},
+    travels={cut.name: travel(cut) for cut in CUTS},
     choices=CHOICES,
-    again=(CutAgain("no_memory", BASE, (friction("memory = 0.0"),), TRAVEL * BASE.depth),),
+    again=(CutAgain("no_memory", BASE, (friction("memory = 0.0"),), travel(BASE)),),
 )
 STUDY = PREDICTED.study()
 
