@@ -99,7 +99,8 @@ def overview(sets: Sequence[Recorded]) -> str:
         errors = each.content["errors"]
         if errors:
             said = ", ".join(
-                f"{FIGURES[name][0].split(' (')[0].lower()} {errors[name]['mean']:.0%}" for name in FIGURES
+                f"{FIGURES[name][0].split(' (')[0].lower()} {_share(errors[name]['mean'])}"
+                for name in FIGURES
             )
             lines += ["", f"Mean error, {SETS[each.name]}: {said}."]
     return "\n".join(lines)
@@ -124,10 +125,12 @@ def errors(each: Recorded) -> str:
     found, parts = each.content["errors"], each.content["relative_uncertainty"]
     for title, kind in (("Mean error", "mean"), ("Largest error", "largest")):
         if found:
-            lines.append(_line([title, *(f"{found[name][kind]:.0%}" for name in FIGURES)]))
+            lines.append(_line([title, *(_share(found[name][kind]) for name in FIGURES)]))
     for title, part in (("Uncertainty by the mesh", "mesh"), ("Uncertainty by the step", "step")):
         values = [parts[part][name] for name in FIGURES]
-        lines.append(_line([title, *("–" if value is None else f"{value:.1%}" for value in values)]))
+        lines.append(
+            _line([title, *("–" if value is None else _share(value, decimals=1) for value in values)])
+        )
     return "\n".join(lines)
 
 
@@ -138,7 +141,7 @@ def shares(each: Recorded) -> str:
     )
     for row in each.cuts:
         borne = {name: _pair(row, name) for name in ("rake", "tip", "flank")}
-        pairs = [f"{cutting:.1f} / {feed:.1f}" for cutting, feed in borne.values()]
+        pairs = [f"{cutting:.1f} / {feed:.1f}".replace("-", "−") for cutting, feed in borne.values()]
         rest = [
             _number(row, f"{force}_measured") - borne["tip"][i] - borne["flank"][i]
             for i, force in enumerate(("cutting_force", "thrust_force"))
@@ -196,7 +199,7 @@ def _figures(row: Mapping[str, str]) -> list[str]:
     cells = []
     for name, (_, decimals) in FIGURES.items():
         value, width = _number(row, name), _number(row, f"{name}_uncertainty")
-        cells.append(f"{value:.{decimals}f} ± {width:.{decimals}f}")
+        cells.append("–" if math.isnan(value) else f"{value:.{decimals}f} ± {width:.{decimals}f}")
         given, scatter = _number(row, f"{name}_measured"), _number(row, f"{name}_measured_scatter")
         known = not math.isnan(given)
         cells.append(f"{given:.{decimals}f} ± {scatter:.{decimals}f}" if known else "")
@@ -206,6 +209,10 @@ def _figures(row: Mapping[str, str]) -> list[str]:
 
 def _percent(value: float, decimals: int = 0) -> str:
     return f"{value:+.{decimals}%}".replace("%", " %").replace("-", "−")
+
+
+def _share(value: float, decimals: int = 0) -> str:
+    return f"{value:.{decimals}%}".replace("%", " %")
 
 
 def _cut(row: Mapping[str, str]) -> str:
