@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from pfemcut.results.history import read_table
-from pfemcut.results.published import write_json
 from pfemcut.validation.provenance import ROOT, provenance
+from pfemcut.whole_files import write_json
 
 OUTPUT = ROOT / "benchmarks" / "results" / "output_time.json"
 

@@ -17,12 +17,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.box import SIMPLE_HEAD
-from rich.console import Console
-from rich.table import Table
 
-from pfemcut.results.published import write_json
+from pfemcut.output.tables import print_table
 from pfemcut.validation.provenance import ROOT, provenance
+from pfemcut.whole_files import write_json
 
 WORKER = Path(__file__).resolve().parent / "measured_steps.py"
 FACTORS = (1.15, 0.64, 0.36, 0.205, 0.145)  # about 2k, 6k, 18k, 52k and 100k particles
@@ -47,23 +45,25 @@ def slope(rows: list[dict[str, Any]], figure: str) -> float:
     return float(np.polyfit(particles, np.log([row[figure] for row in rows]), 1)[0])
 
 
-def tables(content: dict[str, Any], console: Console) -> None:
-    table = Table(title="One process", title_justify="left", box=SIMPLE_HEAD)
-    for name in ("particles", "s/step", "iterations", "s/iteration", "MB"):
-        table.add_column(name, justify="right")
-    for row in content["growth"]:
-        table.add_row(
-            str(row["particles"]),
-            f"{row['step_seconds']:.3f}",
-            f"{row['newton_iterations']:.1f}",
-            f"{row['seconds_per_iteration']:.3f}",
-            f"{row['memory_mb']:.0f}",
-        )
-    console.print(table)
+def print_tables(content: dict[str, Any]) -> None:
+    print_table(
+        "One process",
+        ("particles", "s/step", "iterations", "s/iteration", "MB"),
+        [
+            (
+                str(row["particles"]),
+                f"{row['step_seconds']:.3f}",
+                f"{row['newton_iterations']:.1f}",
+                f"{row['seconds_per_iteration']:.3f}",
+                f"{row['memory_mb']:.0f}",
+            )
+            for row in content["growth"]
+        ],
+    )
     for name, value in content["slopes"].items():
-        console.print(f"slope of {name}: {value:.2f}")
+        print(f"slope of {name}: {value:.2f}")
     for row in content["ranks"]:
-        console.print(
+        print(
             f"{row['one']['particles']} particles: {row['one']['step_seconds']:.3f} s a step with one rank, "
             f"{row['two']['step_seconds']:.3f} s with two: {row['ratio']:.2f} times faster, forces differ by "
             f"{row['force_difference']:.1e}"
@@ -98,8 +98,7 @@ def main() -> None:
             }
         )
     write_json(options.output, content)
-    console = Console()
-    tables(content, console if console.is_terminal else Console(width=120))
+    print_tables(content)
     print(f"results  {options.output}")
 
 

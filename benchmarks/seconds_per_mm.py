@@ -20,14 +20,12 @@ from typing import Any
 
 import numpy as np
 from measured_steps import CASE
-from rich.box import SIMPLE_HEAD
-from rich.console import Console
-from rich.table import Table
 from scipy.integrate import trapezoid
 
+from pfemcut.output.tables import print_table
 from pfemcut.results.history import read_table
-from pfemcut.results.published import write_json
 from pfemcut.validation.provenance import ROOT, provenance
+from pfemcut.whole_files import write_json
 
 LONGEST = 4.4e-7  # s, 4.2 of the paper's steps
 TOLERANCE = 0.15
@@ -126,21 +124,22 @@ def main() -> None:
         content["window"] = list(WINDOW)
         content["difference_to_half_the_step"] = {name: whole[name] / half[name] - 1.0 for name in whole}
     write_json(options.output, content)
-    table = Table(title="One steady millimetre", title_justify="left", box=SIMPLE_HEAD)
-    for column in ("run", "particles", "s/mm", "steps", "iterations", "Fc (N/mm)", "Ft (N/mm)"):
-        table.add_column(column, justify="right")
-    for name, each in content["runs"].items():
-        table.add_row(
-            name,
-            f"{each['least_particles']:.0f}-{each['most_particles']:.0f}",
-            f"{each['seconds_per_mm']:.0f}",
-            str(each["steps"]),
-            f"{each['newton_iterations']:.1f}",
-            f"{each['figures']['cutting_force']:.2f}",
-            f"{each['figures']['thrust_force']:.2f}",
-        )
-    console = Console()
-    (console if console.is_terminal else Console(width=120)).print(table)
+    print_table(
+        "One steady millimetre",
+        ("run", "particles", "s/mm", "steps", "iterations", "Fc (N/mm)", "Ft (N/mm)"),
+        [
+            (
+                name,
+                f"{each['least_particles']:.0f}-{each['most_particles']:.0f}",
+                f"{each['seconds_per_mm']:.0f}",
+                str(each["steps"]),
+                f"{each['newton_iterations']:.1f}",
+                f"{each['figures']['cutting_force']:.2f}",
+                f"{each['figures']['thrust_force']:.2f}",
+            )
+            for name, each in content["runs"].items()
+        ],
+    )
     for name, value in content.get("difference_to_half_the_step", {}).items():
         print(f"{name}: {value:+.2%} against half the step")
     print(f"results  {options.output}")

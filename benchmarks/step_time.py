@@ -34,8 +34,8 @@ from pfemcut.fem import momentum_system
 from pfemcut.fem.direct_solver import DirectSolver
 from pfemcut.pfem.method import PfemMethod
 from pfemcut.results.derived.columns import derived_columns
-from pfemcut.results.published import write_json
 from pfemcut.validation.provenance import ROOT, provenance
+from pfemcut.whole_files import write_json
 
 Array = NDArray[np.float64]
 

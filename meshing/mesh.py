@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,6 +53,11 @@ class Boundary:
     def loops(self) -> tuple[IntArray, ...]:
         """Particle indices of each loop."""
         return tuple(np.split(self.particles, self.starts[1:-1]))
+
+    @cached_property
+    def loop_numbers(self) -> IntArray:
+        """Number of the loop of each entry; shape (b,)."""
+        return np.repeat(np.arange(len(self.starts) - 1), np.diff(self.starts))
 
 
 @dataclass(frozen=True)

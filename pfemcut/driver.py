@@ -245,7 +245,7 @@ class _Run:
         method = self._method
         try:
             if fresh:
-                self._record_frame()
+                self._record_frame(self._method.frame())
             end = self._problem.time.end
             with SignalNotes() as signals, progress_display(end, visible=self._ranks.first) as progress:
                 while not method.finished:
@@ -289,7 +289,7 @@ class _Run:
         if step % controls.history_every == 0:
             self._record_row()
         if step % controls.every == 0:
-            self._record_frame()
+            self._record_frame(method.frame())
         if step % controls.checkpoint_every == 0:
             self._record_checkpoint(step)
         ended = time.perf_counter()
@@ -315,8 +315,7 @@ class _Run:
             self._ranks.on_first(write_row)
         self._pending = []
 
-    def _record_frame(self) -> None:
-        frame = self._method.frame()
+    def _record_frame(self, frame: Frame) -> None:
         self._ranks.on_first(lambda: self._recorders[0].frame(frame))
 
     def _record_checkpoint(self, step: int) -> None:
@@ -329,7 +328,7 @@ class _Run:
         frame = self._method.frame()
         # Before the fields: whoever asked for the end may kill soon.
         self._record_checkpoint(frame.step)
-        self._ranks.on_first(lambda: self._recorders[0].frame(frame))
+        self._record_frame(frame)
 
         def conclude() -> Summary:
             directory, every = self._directory, (*self._warnings, *warnings)

@@ -22,6 +22,11 @@ def speaks() -> bool:
     return all(os.environ.get(name, "0") == "0" for name in _RANK)
 
 
+def under_mpirun() -> bool:
+    """Whether mpirun started this process, alone or with others."""
+    return any(name in os.environ for name in _SIZE)
+
+
 def processes() -> int:
     """Number of processes that were started together."""
     return max(int(os.environ.get(name, "1")) for name in _SIZE)

@@ -6,16 +6,18 @@ python scripts/parallel_page.py [docs/parallel.md]
 from __future__ import annotations
 
 import json
-import os
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from pfemcut.validation.marked_page import Marks
+from pfemcut.whole_files import write_text
+
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "parallel.md"
 MEASURED = ROOT / "benchmarks" / "results" / "scaling.json"
-BEGIN, END = "<!-- scaling:begin -->", "<!-- scaling:end -->"
+MARKS = Marks("scaling")
 
 REPLICATED = ("particles", "transfer", "momentum", "plasticity", "ledger")
 """Phases that every rank goes through for all particles; the others work on each rank's share."""
@@ -149,25 +151,15 @@ def content(measured: Mapping[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def filled(text: str, tables: str) -> str:
-    """``text`` with ``tables`` between the marks."""
-    before, rest = text.split(BEGIN)
-    after = rest.split(END)[1]
-    return f"{before}{BEGIN}\n{tables}\n{END}{after}"
-
-
 def page(text: str) -> str:
     """The page ``text`` with the tables of what is recorded."""
-    return filled(text, content(json.loads(MEASURED.read_text(encoding="utf-8"))))
+    return MARKS.filled(text, content(json.loads(MEASURED.read_text(encoding="utf-8"))))
 
 
 def main(arguments: Sequence[str]) -> None:
     """Fill the tables."""
     path = Path(arguments[0]) if arguments else PAGE
-    text = page(path.read_text(encoding="utf-8"))
-    temporary = path.with_name(path.name + ".tmp")
-    temporary.write_text(text, encoding="utf-8")
-    os.replace(temporary, path)
+    write_text(path, page(path.read_text(encoding="utf-8")))
 
 
 if __name__ == "__main__":

@@ -8,14 +8,15 @@ from __future__ import annotations
 import csv
 import json
 import math
-import os
-import re
 import sys
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+from pfemcut.validation.marked_page import Marks
+from pfemcut.whole_files import write_text
 
 ROOT = Path(__file__).resolve().parent.parent
 SETS = {"ti6al4v_ducobu": "Ti6Al4V", "aisi1045_klocke": "AISI 1045"}
@@ -25,7 +26,6 @@ FIGURES = {
     "chip_ratio": ("Chip / uncut", 2),
 }
 """Label and decimals of the compared figures."""
-MARKS = r"(<!-- {0}:begin -->\n).*?(<!-- {0}:end -->)"
 
 
 @dataclass(frozen=True)
@@ -43,9 +43,7 @@ def main() -> int:
     """Fill all pages; the exit status."""
     for page, text in pages(ROOT).items():
         if page.read_text(encoding="utf-8") != text:
-            temporary = page.with_name(page.name + ".tmp")
-            temporary.write_text(text, encoding="utf-8")
-            os.replace(temporary, page)
+            write_text(page, text)
     return 0
 
 
@@ -77,11 +75,7 @@ def filled(page: Path, sections: Mapping[str, str]) -> str:
     """The page's text with each section between its marks."""
     text = page.read_text(encoding="utf-8")
     for section, content in sections.items():
-        text, count = re.subn(
-            MARKS.format(section), lambda found, new=content: f"{found[1]}{new}\n{found[2]}", text, flags=re.S
-        )
-        if count != 1:
-            raise SystemExit(f"{page}: needs the marks <!-- {section}:begin --> and :end -->, once each")
+        text = Marks(section).filled(text, content)
     return text
 
 

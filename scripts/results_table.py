@@ -6,16 +6,17 @@ python scripts/results_table.py [README.md]
 from __future__ import annotations
 
 import json
-import os
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from pfemcut.results.published import Row, Verdict, computed_text, published_text
+from pfemcut.validation.marked_page import Marks
+from pfemcut.whole_files import write_text
 
 ROOT = Path(__file__).resolve().parent.parent
-BEGIN, END = "<!-- results:begin -->", "<!-- results:end -->"
+MARKS = Marks("results")
 HEAD = ("| Case | Figure | Published | Computed | Difference | Target |", "|---|---|---|---|---|---|")
 SHOWN = {
     Verdict.WITHIN: "met",
@@ -29,22 +30,13 @@ def main(arguments: Sequence[str]) -> int:
     """Fill the table; the exit status."""
     readme = Path(arguments[0]) if arguments else ROOT / "README.md"
     text = readme.read_text(encoding="utf-8")
-    if text.count(BEGIN) != 1 or text.count(END) != 1:
-        print(f"{readme}: needs the lines {BEGIN} and {END}, once each", file=sys.stderr)
+    if text.count(MARKS.begin) != 1 or text.count(MARKS.end) != 1:
+        print(f"{readme}: needs the lines {MARKS.begin} and {MARKS.end}, once each", file=sys.stderr)
         return 2
-    filled_text = filled(text, table(ROOT / "demos"))
+    filled_text = MARKS.filled(text, table(ROOT / "demos"))
     if filled_text != text:
-        temporary = readme.with_name(readme.name + ".tmp")
-        temporary.write_text(filled_text, encoding="utf-8")
-        os.replace(temporary, readme)
+        write_text(readme, filled_text)
     return 0
-
-
-def filled(text: str, content: str) -> str:
-    """``text`` with ``content`` between the marks."""
-    before, rest = text.split(BEGIN)
-    after = rest.split(END)[1]
-    return f"{before}{BEGIN}\n{content}\n{END}{after}"
 
 
 def table(demos: Path) -> str:

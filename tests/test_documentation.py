@@ -142,5 +142,6 @@ def test_results_table_shows_recorded_runs_and_says_what_is_missing(tmp_path: Pa
     assert "no full run has been recorded yet" in lines[3]
     assert "1.09 mm in 3151 steps and 18 min (steady); energy error 0.006; commit abc." in lines[-1]
 
-    text = f"before\n{module.BEGIN}\nold\n{module.END}\nafter\n"
-    assert module.filled(text, "new") == f"before\n{module.BEGIN}\nnew\n{module.END}\nafter\n"
+    marks = module.MARKS
+    text = f"before\n{marks.begin}\nold\n{marks.end}\nafter\n"
+    assert marks.filled(text, "new") == f"before\n{marks.begin}\nnew\n{marks.end}\nafter\n"

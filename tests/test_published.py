@@ -16,8 +16,8 @@ from pfemcut.results.published import (
     comparison_json,
     load_published,
     print_comparison,
-    write_json,
 )
+from pfemcut.whole_files import write_json
 
 PUBLISHED = """\
 [max_temperature]

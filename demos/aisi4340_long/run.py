@@ -18,12 +18,12 @@ from numpy.typing import NDArray
 from pfemcut.output.tables import write_csv
 from pfemcut.output.vtu import read_collection
 from pfemcut.ranks import Ranks
-from pfemcut.results.published import write_json
 from pfemcut.validation.demo import frames_between
 from pfemcut.validation.options import exit_with, parser, start_of
 from pfemcut.validation.provenance import provenance
 from pfemcut.validation.recorded_run import read_history, read_summary, recorded_run, sessions
 from pfemcut.validation.small_files import copy_picture, write_thinned
+from pfemcut.whole_files import write_json
 
 FOLDER = Path(__file__).resolve().parent
 LENGTH = 0.25

@@ -101,11 +101,7 @@ def warnings(case: AnyCase, material: Material) -> list[str]:
     cutting, tool, mesh, work = case.cutting, case.tool, case.mesh, case.workpiece
     advance = cutting.speed * case.time.step
     checks = [
-        (
-            mesh.tip_size > tool.tip_radius / 3.0,
-            f"[mesh] tip_size = {mesh.tip_size:g} mm resolves the tip radius of {tool.tip_radius:g} mm poorly; "
-            f"advised: at most a third, {tool.tip_radius / 3.0:.3g}",
-        ),
+        _tip_resolution("mesh", mesh.tip_size, tool.tip_radius),
         (
             advance > mesh.tip_size / 4.0,
             f"[time] step moves the tool by {advance:.3g} mm, more than a quarter of [mesh] tip_size; "
@@ -140,17 +136,19 @@ def warnings(case: AnyCase, material: Material) -> list[str]:
             f"[cutting] travel = {cutting.travel:g} mm is too short for steady means (0.1 mm behind the first 0.2)",
         ),
     ]
-    body = [] if tool.body is None else [tool.body]
-    checks += [
-        (
-            each.tip_size > tool.tip_radius / 3.0,
-            f"[tool.body] tip_size = {each.tip_size:g} mm resolves the tip radius of {tool.tip_radius:g} mm poorly; "
-            f"advised: at most a third, {tool.tip_radius / 3.0:.3g}",
-        )
-        for each in body
-    ]
+    if tool.body is not None:
+        checks.append(_tip_resolution("tool.body", tool.body.tip_size, tool.tip_radius))
     lasts = cutting.travel / cutting.speed
     return [text for unwise, text in checks if unwise] + tool_warnings(cutting_problem(case, material), lasts)
+
+
+def _tip_resolution(section: str, tip_size: float, tip_radius: float) -> tuple[bool, str]:
+    """Whether a section's size at the tip (mm) is too coarse for the tip, and the words for it."""
+    return (
+        tip_size > tip_radius / 3.0,
+        f"[{section}] tip_size = {tip_size:g} mm resolves the tip radius of {tip_radius:g} mm poorly; "
+        f"advised: at most a third, {tip_radius / 3.0:.3g}",
+    )
 
 
 def particle_estimate(sizes: SizeField, length: float, height: float) -> float:

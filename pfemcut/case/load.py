@@ -81,6 +81,11 @@ def validated(table: Mapping[str, Any], base_directory: Path) -> tuple[AnyCase, 
     return case, material
 
 
+def directed(case: AnyCase, directory: Path) -> AnyCase:
+    """The case with ``directory`` as its output folder."""
+    return case.model_copy(update={"output": case.output.model_copy(update={"directory": str(directory)})})
+
+
 def _with_materials(table: Mapping[str, Any], base_directory: Path) -> Mapping[str, Any]:
     """``table`` with the materials of a deformable tool and of further bodies written out."""
 

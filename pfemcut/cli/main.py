@@ -15,7 +15,7 @@ from typing import Annotated
 import typer
 
 from pfemcut.case.check import figures, warnings
-from pfemcut.case.load import AnyCase, load_case
+from pfemcut.case.load import directed, load_case
 from pfemcut.cli.speech import complain, say
 from pfemcut.cli.sweep import sweep
 from pfemcut.cli.table import result_lines
@@ -101,7 +101,8 @@ def run(
     with ranks.together():
         changes = [*overrides, *([] if travel is None else [f"cutting.travel={travel}"])]
         case, material = ranks.on_first(lambda: load_case(case_file, changes))
-        case = _directed(case, output)
+        if output is not None:
+            case = directed(case, output)
         from pfemcut.driver import run_case
 
         summary = run_case(
@@ -157,10 +158,3 @@ def materials(
     for known in library_names():
         material = load_material(known, Path())
         say(f"{known:<{width}} {material.name}: {material.source}")
-
-
-def _directed(case: AnyCase, output: Path | None) -> AnyCase:
-    """The case with its output folder replaced, if another one is asked for."""
-    if output is None:
-        return case
-    return case.model_copy(update={"output": case.output.model_copy(update={"directory": str(output)})})

@@ -54,8 +54,10 @@ class FacingPoints:
         To the nearest point of the surface that it faces (mm); shape (k,).
     apart
         Length of boundary between the two (mm); infinite between loops; shape (k,).
+    curve
+        The loops as closed curves; arc i is that of entry i.
     candidates
-        Arcs of :func:`closed_arcs` among which that point is; shape (k, w).
+        Arcs of it among which that point is; shape (k, w).
     """
 
     edges: IntArray
@@ -63,6 +65,7 @@ class FacingPoints:
     lengths: Array
     distance: Array
     apart: Array
+    curve: Arcs
     candidates: IntArray
 
     @property
@@ -73,21 +76,6 @@ class FacingPoints:
     def thickness(self, largest: float) -> Array:
         """Distance at which each point touches (mm), at most ``largest``; shape (k,)."""
         return np.minimum(largest, _NOTCH * self.apart)
-
-
-def closed_arcs(boundary: Boundary) -> Arcs:
-    """The loops as closed B-splines, corners included; arc i is that of entry i."""
-    particles = boundary.particles
-    nodes = np.column_stack([particles[boundary.preceding], particles, particles[boundary.following]])
-    sizes = np.diff(boundary.starts)
-    count = len(particles)
-    return Arcs(
-        nodes,
-        np.tile(SPLINE, (count, 1, 1)),
-        np.repeat(boundary.starts[:-1], sizes),
-        np.repeat(boundary.starts[1:] - 1, sizes),
-        np.ones(count, dtype=bool),
-    )
 
 
 def facing_points(
@@ -156,8 +144,9 @@ def facing_points(
     first[1:] = query[order[1:]] != query[order[:-1]]
     best = order[first]
     # By the curve's normal at the foot: that of the edge would change from one to the next.
+    curve = _closed_arcs(boundary)
     opposite = _curve_normals(
-        points, boundary, middle[best], np.where(fraction < 0.5, 0.5, -0.5)[best] + fraction[best]
+        points, curve, middle[best], np.where(fraction < 0.5, 0.5, -0.5)[best] + fraction[best]
     )
     cosine = np.maximum(-np.sum(outward[mine[best]] * opposite, axis=1), _OPPOSED)
     weight = np.tile(_PARTS, count)[query[best]]
@@ -167,13 +156,28 @@ def facing_points(
         weight * length[mine[best]] * (cosine - _OPPOSED) / (1.0 - _OPPOSED),
         distance[best],
         apart[best],
+        curve,
         _window(boundary, middle[best], separation[best]),
     )
 
 
-def _curve_normals(points: Array, boundary: Boundary, arcs: IntArray, t: Array) -> Array:
-    """Outward unit normals of the closed curve at ``t`` (k,) on its ``arcs`` (k,); shape (k, 2)."""
-    curve = closed_arcs(boundary)
+def _closed_arcs(boundary: Boundary) -> Arcs:
+    """The loops as closed B-splines, corners included; arc i is that of entry i."""
+    particles = boundary.particles
+    nodes = np.column_stack([particles[boundary.preceding], particles, particles[boundary.following]])
+    sizes = np.diff(boundary.starts)
+    count = len(particles)
+    return Arcs(
+        nodes,
+        np.tile(SPLINE, (count, 1, 1)),
+        np.repeat(boundary.starts[:-1], sizes),
+        np.repeat(boundary.starts[1:] - 1, sizes),
+        np.ones(count, dtype=bool),
+    )
+
+
+def _curve_normals(points: Array, curve: Arcs, arcs: IntArray, t: Array) -> Array:
+    """Outward unit normals of the closed ``curve`` at ``t`` (k,) on its ``arcs`` (k,); shape (k, 2)."""
     _, slope, _ = curve.at(arcs, t)
     tangent = np.einsum("ka,kai->ki", slope, points[curve.nodes[arcs]])
     return np.column_stack([tangent[:, 1], -tangent[:, 0]]) / np.hypot(*tangent.T)[:, None]
@@ -201,16 +205,11 @@ def _arc_coordinates(boundary: Boundary, length: Array) -> Array:
     return total[:-1] - np.repeat(total[boundary.starts[:-1]], sizes)
 
 
-def _loops(boundary: Boundary) -> IntArray:
-    """Number of the loop of each entry; shape (b,)."""
-    return np.repeat(np.arange(len(boundary.starts) - 1), np.diff(boundary.starts))
-
-
 def _length_between(
     boundary: Boundary, length: Array, a: IntArray, b: IntArray, at_a: Array, at_b: Array
 ) -> Array:
     """Shorter way along the loop between places on the edges ``a`` and ``b`` (mm); infinite between loops; (k,)."""
-    loop = _loops(boundary)
+    loop = boundary.loop_numbers
     perimeter = np.add.reduceat(length, boundary.starts[:-1])[loop[a]]
     way = np.abs(at_a - at_b)
     return np.where(loop[a] == loop[b], np.minimum(way, perimeter - way), np.inf)
@@ -218,7 +217,7 @@ def _length_between(
 
 def _entries_between(boundary: Boundary, a: IntArray, b: IntArray) -> IntArray:
     """Steps from entry to entry between ``a`` and ``b`` (k,), the shorter way; many between loops; shape (k,)."""
-    loop = _loops(boundary)
+    loop = boundary.loop_numbers
     size = np.diff(boundary.starts)[loop[a]]
     way = np.abs(a - b)
     return np.where(loop[a] == loop[b], np.minimum(way, size - way), len(boundary.particles))
@@ -228,7 +227,7 @@ def _window(boundary: Boundary, middle: IntArray, separation: IntArray) -> IntAr
     """Arcs around ``middle`` (k,), none that a point ``separation`` (k,) entries away lies on; shape (k, 7)."""
     width = np.minimum(_WINDOW, separation - _LEAST_APART)
     offset = np.clip(np.arange(-_WINDOW, _WINDOW + 1), -width[:, None], width[:, None])
-    loop = _loops(boundary)[middle]
+    loop = boundary.loop_numbers[middle]
     first = boundary.starts[loop][:, None]
     size = np.diff(boundary.starts)[loop][:, None]
     return first + (middle[:, None] + offset - first) % size

@@ -7,7 +7,6 @@ can be made from the output directory alone.
 
 from __future__ import annotations
 
-import os
 import xml.etree.ElementTree as Xml
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +18,7 @@ from numpy.typing import NDArray
 from pfemcut.inputs import UserError
 from pfemcut.method import Block, ContactView, Frame, IntArray
 from pfemcut.tools.rigid_wedge import RigidWedge
+from pfemcut.whole_files import replacing
 
 Array = NDArray[np.float64]
 
@@ -270,10 +270,8 @@ def write_collection(directory: Path, entries: list[Entry]) -> None:
             name=_NAMES.get(entry.part, f"body {entry.part}"),
         )
     Xml.indent(root)
-    path = directory / COLLECTION
-    temporary = path.with_name(path.name + ".tmp")
-    Xml.ElementTree(root).write(temporary, encoding="utf-8", xml_declaration=True)
-    os.replace(temporary, path)
+    with replacing(directory / COLLECTION) as temporary:
+        Xml.ElementTree(root).write(temporary, encoding="utf-8", xml_declaration=True)
 
 
 def _padded(values: NDArray[np.generic]) -> NDArray[np.generic]:
@@ -283,9 +281,8 @@ def _padded(values: NDArray[np.generic]) -> NDArray[np.generic]:
 
 
 def _write_atomically(path: Path, mesh: meshio.Mesh) -> None:
-    temporary = path.with_name(path.name + ".tmp")
-    meshio.write(temporary, mesh, file_format="vtu", binary=True, compression="zlib")
-    os.replace(temporary, path)
+    with replacing(path) as temporary:
+        meshio.write(temporary, mesh, file_format="vtu", binary=True, compression="zlib")
 
 
 def _read(path: Path) -> meshio.Mesh:

@@ -272,13 +272,14 @@ def solve_motion(
         )
     trial, multiplier = kinematics(solution.unknown)
     displacement = solution.unknown[:, :2].copy()
-    contact.require_found(displacement)
+    between_bodies = contact.between_bodies(displacement)
+    contact.require_found(displacement, between_bodies)
     return Motion(
         displacement=displacement,
         pressure=solution.unknown[:, 2].copy(),
         reactions=np.where(fixed[:, :2], solution.reactions, 0.0),
         contact=contact.with_tools(displacement),
-        body_contact=contact.between_bodies(displacement),
+        body_contact=between_bodies,
         self_contact=contact.of_bodies_with_themselves(displacement),
         volume_ratio=trial.jacobian * ratio,
         trial=trial,

@@ -26,7 +26,8 @@ from pfemcut.pfem.state import (
     joined_fields,
     to_arrays,
 )
-from pfemcut.pfem.step import PHASES, Kernels, StepRecord, advance
+from pfemcut.pfem.step import PHASES, Kernels, advance
+from pfemcut.pfem.step_record import StepRecord
 from pfemcut.problem import Body, Probe, Problem
 from pfemcut.ranks import Ranks
 from pfemcut.timing import Stopwatch

@@ -7,6 +7,7 @@ alike; forces and moments of each pair of point and surface balance.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,7 @@ from scipy.spatial import cKDTree
 from meshing.mesh import Mesh
 from meshing.sizes import SpacingField
 from pfemcut.contact.node_to_segment import ContactPoints
-from pfemcut.contact.self_search import FacingPoints, closed_arcs, facing_points
+from pfemcut.contact.self_search import FacingPoints, facing_points
 from pfemcut.pfem.body_contact import SurfaceInterface
 from pfemcut.pfem.newton import StepFailed
 from pfemcut.problem import Problem, SelfContact
@@ -53,7 +54,7 @@ def _search(rule: SelfContact, mesh: Mesh, points: Array, motion: Array) -> Self
         candidates=found.candidates,
         thickness=found.thickness(rule.thickness),
     )
-    return SelfInterface(closed_arcs(boundary), contact_points, rule, found)
+    return SelfInterface(found.curve, contact_points, rule, found)
 
 
 def require_apart(mesh: Mesh, interface: SelfInterface, positions: Array) -> None:
@@ -81,8 +82,13 @@ class FacingSizes:
 
     def __call__(self, points: Array) -> Array:
         """Spacing (mm) at ``points`` (n, 2); shape (n,)."""
-        distance, _ = cKDTree(self.places).query(points)
+        distance, _ = self._tree.query(points)
         return np.minimum(self.sizes(points), self.spacing + _GROWTH * distance)
+
+    @cached_property
+    def _tree(self) -> cKDTree:
+        """Search tree of the places."""
+        return cKDTree(self.places)
 
 
 def sizes_beside_contact(problem: Problem, mesh: Mesh, sizes: SpacingField) -> SpacingField:

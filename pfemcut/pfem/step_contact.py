@@ -166,8 +166,10 @@ class StepContact:
             *map(nodal_forces, self.of_bodies_with_themselves(displacement, smoothing)),
         ]
 
-    def require_found(self, displacement: Array) -> None:
+    def require_found(self, displacement: Array, between_bodies: Sequence[SurfaceContact]) -> None:
         """Fail if after the ``displacement`` (n, 2) of the step something touches that the search did not watch.
+
+        ``between_bodies`` is :meth:`between_bodies` there.
 
         Raises
         ------
@@ -175,7 +177,7 @@ class StepContact:
             The step is too long for the search.
         """
         positions = self.mesh.points + displacement
-        for each, found in zip(self.interfaces, self.between_bodies(displacement), strict=True):
+        for each, found in zip(self.interfaces, between_bodies, strict=True):
             require_found(each, found, positions)
         for interface in self.own:
             require_apart(self.mesh, interface, positions)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import contextlib
 import operator
-import os
 from collections.abc import Mapping
 from dataclasses import asdict, fields
 from pathlib import Path
@@ -19,6 +18,7 @@ from numpy.typing import NDArray
 
 from pfemcut.inputs import UserError
 from pfemcut.method import Measures
+from pfemcut.whole_files import replacing
 
 Array = NDArray[np.float64]
 Number = int | float | np.integer | np.floating | np.bool_
@@ -111,9 +111,8 @@ def truncate_table(path: Path, last_step: int) -> int:
     lines = path.read_text(encoding="ascii").splitlines(keepends=True)
     kept = [line for line in lines[1:] if line.endswith("\n") and _step(path, line) <= last_step]
     head = [line for line in lines[:1] if line.endswith("\n")]
-    temporary = path.with_name(path.name + ".tmp")
-    temporary.write_text("".join(head + kept), encoding="ascii", newline="\n")
-    os.replace(temporary, path)
+    with replacing(path) as temporary:
+        temporary.write_text("".join(head + kept), encoding="ascii", newline="\n")
     return len(kept)
 
 

@@ -11,9 +11,7 @@ The file has one table a figure, named as in ``summary.json``::
 
 from __future__ import annotations
 
-import json
 import math
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from enum import Enum
@@ -185,15 +183,6 @@ def print_comparison(title: str, rows: Sequence[Row], console: Console | None = 
 def comparison_json(rows: Sequence[Row]) -> list[dict[str, Any]]:
     """The rows as JSON."""
     return [{**asdict(row), "verdict": row.verdict.value} for row in rows]
-
-
-def write_json(path: Path, content: Any) -> None:
-    """Write a JSON file, at once; JSON has no nan, so there may be none in ``content``."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(path.name + ".tmp")
-    text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
-    temporary.write_text(text + "\n", encoding="utf-8")
-    os.replace(temporary, path)
 
 
 def published_text(row: Row) -> str:

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import importlib.metadata
-import json
 import math
-import os
 import platform
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -19,6 +17,7 @@ from pfemcut.results.definitions import FIGURES, Definition, Taken
 from pfemcut.results.derived.friction import apparent_friction
 from pfemcut.results.derived.specific_energy import specific_energy
 from pfemcut.results.derived.steady_window import SteadyWindow, steady_window
+from pfemcut.whole_files import write_json
 
 Array = NDArray[np.float64]
 
@@ -153,11 +152,8 @@ def summarise(
 
 def write_summary(path: Path, summary: Summary) -> None:
     """Write ``summary.json``, at once."""
-    temporary = path.with_name(path.name + ".tmp")
     # JSON has no nan: figures without a value aren't there.
-    text = json.dumps(summary.to_json(), indent=2, ensure_ascii=False, allow_nan=False)
-    temporary.write_text(text + "\n", encoding="utf-8")
-    os.replace(temporary, path)
+    write_json(path, summary.to_json())
 
 
 def figure_mean(summary: Mapping[str, Any], name: str) -> float:

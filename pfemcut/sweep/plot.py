@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,7 @@ from matplotlib.lines import Line2D
 from pfemcut.results.definitions import FIGURES
 from pfemcut.sweep.plan import Plan, short_keys, value_text
 from pfemcut.sweep.results import Outcome
+from pfemcut.whole_files import replacing
 
 PNG = "results.png"
 DOTS_PER_INCH = 130
@@ -43,9 +43,8 @@ def write_plot(plan: Plan, outcomes: Sequence[Outcome], units: Mapping[str, str]
         return []
     figure = draw(finished, names, plan.keys, units)
     path = plan.output / PNG
-    temporary = path.with_name(path.name + ".tmp")
-    figure.savefig(temporary, format="png", dpi=DOTS_PER_INCH)
-    os.replace(temporary, path)
+    with replacing(path) as temporary:
+        figure.savefig(temporary, format="png", dpi=DOTS_PER_INCH)
     return [path]
 
 

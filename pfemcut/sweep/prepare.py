@@ -10,15 +10,15 @@ from pathlib import Path
 from typing import Any
 
 from pfemcut.case.check import warnings
-from pfemcut.case.load import AnyCase, CaseError, replaced, resolved_toml, validated
+from pfemcut.case.load import AnyCase, CaseError, directed, replaced, resolved_toml, validated
 from pfemcut.case.schema import Case
 from pfemcut.case.translate import problem_of
 from pfemcut.inputs import InputError, UserError, read_toml
 from pfemcut.materials.material import Material
-from pfemcut.output.directory import INPUTS, SUMMARY, OutputError
+from pfemcut.output.directory import INPUTS, OutputError
 from pfemcut.results.checkpoint import NAME, PREVIOUS, changed_keys
 from pfemcut.sweep.plan import Plan, Values, Variant
-from pfemcut.validation.recorded_run import read_summary
+from pfemcut.validation.recorded_run import is_finished
 
 
 class State(Enum):
@@ -85,9 +85,7 @@ def prepared(plan: Plan) -> tuple[Prepared, ...]:
             table = replaced(table, key.split("."), value, f"given '{key}'")
         directory = plan.output / variant.name
         case, material = validated(table, folder)
-        case = case.model_copy(
-            update={"output": case.output.model_copy(update={"directory": str(directory)})}
-        )
+        case = directed(case, directory)
         problem_of(case, material, folder)
         resolved = tomllib.loads(resolved_toml(case, material))
         parameters = {
@@ -152,7 +150,7 @@ def changes(variant: Prepared) -> tuple[str, ...]:
 def _state(variant: Prepared) -> State:
     directory = variant.directory
     whole = not isinstance(variant.case, Case) or variant.case.cutting.travel == _travel(variant)
-    if _stored(variant) and whole and (directory / SUMMARY).is_file() and read_summary(directory)["finished"]:
+    if _stored(variant) and whole and is_finished(directory):
         return State.FINISHED
     if any((directory / name).is_file() for name in (NAME, PREVIOUS)):
         return State.INTERRUPTED

@@ -10,12 +10,12 @@ from typing import Any
 from pfemcut.output.directory import HISTORY, SUMMARY
 from pfemcut.output.tables import number_text, print_table, write_csv
 from pfemcut.results.definitions import FIGURES
-from pfemcut.results.published import write_json
 from pfemcut.results.summary import figure_mean, figure_std
 from pfemcut.sweep.plan import Plan, short_keys, value_text
 from pfemcut.sweep.prepare import Prepared, State, states
 from pfemcut.validation.provenance import provenance
 from pfemcut.validation.recorded_run import read_summary, sessions
+from pfemcut.whole_files import write_json
 
 CSV = "results.csv"
 JSON = "results.json"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import pickle
 import signal
 import sys
@@ -11,6 +10,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from pfemcut.inputs import InputError, nearest
+from pfemcut.launcher import under_mpirun
 from pfemcut.method import RunStopped
 from pfemcut.output.directory import HISTORY, writing
 from pfemcut.output.progress import duration
@@ -23,9 +23,6 @@ from pfemcut.sweep.prepare import Prepared, State, advice, changes, prepared, re
 from pfemcut.sweep.results import CSV, JSON, Outcome, outcomes_of, print_results, write_results
 from pfemcut.sweep.units import units_of
 from pfemcut.sweep.worker import Task, run_task
-
-LAUNCHERS = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE")
-"""Set by mpirun."""
 
 Say = Callable[[str], None]
 
@@ -55,7 +52,7 @@ def run_sweep(plan: Plan, jobs: int, *, overwrite: bool, say: Say) -> None:
     SweepStopped
         At the end, if a variant did not finish, or after a signal.
     """
-    if any(name in os.environ for name in LAUNCHERS):
+    if under_mpirun():
         raise InputError(["a sweep starts its own processes: call it without mpirun, or with --index"])
     variants = prepared(plan)
     if not overwrite:

@@ -24,12 +24,12 @@ from pfemcut.results.published import (
     comparison_json,
     load_published,
     print_comparison,
-    write_json,
 )
 from pfemcut.validation.options import exit_with, parser, start_of
 from pfemcut.validation.provenance import provenance
 from pfemcut.validation.recorded_run import read_history, read_summary, recorded_run, sessions
 from pfemcut.validation.small_files import copy_picture, write_thinned
+from pfemcut.whole_files import write_json
 
 CHECKED = ("energy_error", "heat_error", "area_drift", "mass_drift")
 

@@ -17,9 +17,9 @@ from pfemcut.output.directory import HISTORY, SUMMARY
 from pfemcut.ranks import Ranks
 from pfemcut.results.checkpoint import NAME, PREVIOUS
 from pfemcut.results.history import read_table
-from pfemcut.results.published import write_json
 from pfemcut.results.summary import Summary
 from pfemcut.validation.provenance import provenance
+from pfemcut.whole_files import write_json
 
 SESSIONS = "sessions.json"
 
@@ -60,7 +60,7 @@ def record_case(
     # A start that was killed before its first checkpoint leaves rows behind; asked to resume, it begins again.
     overwrite = start.overwrite or (start.resume and not resume)
     before = ranks.on_first(lambda: sessions(directory) if resume else [])
-    steps = ranks.on_first(lambda: _finished_steps(directory) if resume else 0)
+    steps = ranks.on_first(lambda: _steps(directory) if resume and is_finished(directory) else 0)
     note = {**provenance(), "resumed": resume}
 
     def begin() -> None:
@@ -89,18 +89,15 @@ def record_case(
     return summary
 
 
-def _finished_steps(directory: Path) -> int:
-    """Steps of the finished run in ``directory``; 0 if there is none."""
-    if not (directory / SUMMARY).exists():
-        return 0
-    summary = read_summary(directory)
-    return int(summary["steps"]["value"]) if summary["finished"] else 0
-
-
 def sessions(directory: Path) -> list[dict[str, Any]]:
     """The sessions noted in ``directory``."""
     path = directory / SESSIONS
     return list(json.loads(path.read_text(encoding="utf-8"))) if path.exists() else []
+
+
+def is_finished(directory: Path) -> bool:
+    """Whether the folder holds a run that is finished."""
+    return (directory / SUMMARY).is_file() and bool(read_summary(directory)["finished"])
 
 
 def read_summary(directory: Path) -> dict[str, Any]:
@@ -111,3 +108,8 @@ def read_summary(directory: Path) -> dict[str, Any]:
 def read_history(directory: Path) -> Mapping[str, NDArray[Any]]:
     """Columns of the run's ``history.csv``."""
     return read_table(directory / HISTORY)
+
+
+def _steps(directory: Path) -> int:
+    """Steps of the run, from its summary."""
+    return int(read_summary(directory)["steps"]["value"])

@@ -13,14 +13,20 @@ from numpy.typing import NDArray
 
 from pfemcut.inputs import InputError, nearest
 from pfemcut.method import RunStopped
-from pfemcut.output.directory import SUMMARY
 from pfemcut.output.tables import number_text, print_table, write_csv
 from pfemcut.ranks import Ranks
-from pfemcut.results.published import write_json
 from pfemcut.results.summary import figure_mean, figure_std
 from pfemcut.validation.options import exit_with, parser, start_of
 from pfemcut.validation.provenance import ROOT, provenance
-from pfemcut.validation.recorded_run import Start, read_history, read_summary, recorded_run, sessions
+from pfemcut.validation.recorded_run import (
+    Start,
+    is_finished,
+    read_history,
+    read_summary,
+    recorded_run,
+    sessions,
+)
+from pfemcut.whole_files import write_json
 
 REDUCED_CASE = ROOT / "demos" / "aisi4340_demo" / "case.toml"
 """The reduced block and coarse sizes that studies run on."""
@@ -141,7 +147,7 @@ def run_study(study: Study, arguments: Sequence[str]) -> bool:
         outcomes = [
             _outcome(variant, output / variant.name)
             for variant in study.variants
-            if not study.partial or _finished(output / variant.name)
+            if not study.partial or is_finished(output / variant.name)
         ]
         results = study.folder / "results" if options.travel is None else output / "results"
         results.mkdir(parents=True, exist_ok=True)
@@ -223,10 +229,6 @@ def _run(case: Path, variant: Variant, directory: Path, travel: float, start: St
             raise
         if Ranks().first:
             print(f"{variant.name}: run stopped: {stopped}", flush=True)
-
-
-def _finished(directory: Path) -> bool:
-    return (directory / SUMMARY).exists() and bool(read_summary(directory)["finished"])
 
 
 def _outcome(variant: Variant, directory: Path) -> Outcome:
