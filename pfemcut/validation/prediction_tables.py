@@ -178,6 +178,7 @@ def draw_shares(
         panel.axhline(0.0, color="k", linewidth=0.8)
         panel.set(ylabel=LABELS[name])
         panel.grid(alpha=0.3, axis="y")
+        panel.margins(y=0.08)
     axes[0].set_title(title)
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=len(PARTS) + 2)
     _label_cuts(axes[-1], cuts)
