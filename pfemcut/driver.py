@@ -30,11 +30,15 @@ from pfemcut.output.directory import (
 )
 from pfemcut.output.progress import progress_display
 from pfemcut.output.recorder import Recorder
+from pfemcut.output.tool_profiles import cut_profiles, write_table
 from pfemcut.problem import Cut, Problem
 from pfemcut.ranks import Ranks, RanksDiffer, SignalNotes
 from pfemcut.results.checkpoint import Checkpoint, State, read_checkpoint, require_same_case
+from pfemcut.results.contact_table import EVERY
 from pfemcut.results.derived.columns import derived_columns
+from pfemcut.results.derived.profile_figures import profile_figures
 from pfemcut.results.derived.tool_heating import tool_warnings
+from pfemcut.results.derived.tool_profiles import tool_loads
 from pfemcut.results.history import CORE_COLUMNS, read_table
 from pfemcut.results.summary import Summary, summarise, write_summary
 
@@ -189,11 +193,15 @@ def run_problem(
 def summary_of(
     directory: Path, problem: Problem, *, finished: bool, ending: str, warnings: Sequence[str]
 ) -> Summary:
-    """Build the summary of the tables in ``directory``."""
+    """Build the summary of the tables in ``directory``, and write the profiles along the tool beside them."""
     history, timing = directory / HISTORY, directory / TIMING
     none = {name: np.zeros(0) for name in CORE_COLUMNS}
     cut, tool = problem.cut, problem.tool
     columns = (read_table(history) or none) if history.exists() else none
+    figures: dict[str, dict[str, float | str]] = {}
+    for found in cut_profiles(directory):
+        write_table(directory, found.profiles)
+        figures = profile_figures(found.profiles)
     return summarise(
         columns,
         read_table(timing) if timing.exists() else {},
@@ -203,6 +211,7 @@ def summary_of(
         depth=cut[0].depth if cut else math.nan,
         rake=tool[0].shape.rake if tool else math.nan,
         warnings=(*warnings, *(tool_warnings(problem, columns["time"][-1]) if columns["time"].size else ())),
+        profile_figures=figures,
     )
 
 
@@ -310,10 +319,18 @@ class _Run:
             ) -> None:
                 for frame, cut in cuts:
                     own.update(derived_columns(frame, cut))
+                    if measures.step % EVERY == 0:
+                        self._record_contact(frame, cut, measures.dt)
                 self._recorders[0].row(measures, own)
 
             self._ranks.on_first(write_row)
         self._pending = []
+
+    def _record_contact(self, frame: Frame, cut: Cut, last_dt: float) -> None:
+        """Write what the tool's surface feels; a rigid tool's forces act on lengths of the begin of the step."""
+        (tool,) = self._problem.tool
+        loads = tool_loads(frame, (-cut.speed, 0.0), 0.0 if tool.body else last_dt)
+        self._recorders[0].contact(frame.step, loads)
 
     def _record_frame(self, frame: Frame) -> None:
         self._ranks.on_first(lambda: self._recorders[0].frame(frame))

@@ -15,6 +15,7 @@ from pfemcut.case.schema import Case
 from pfemcut.inputs import InputError, explained, read_toml
 from pfemcut.materials.load import load_material, material_table
 from pfemcut.materials.material import Material
+from pfemcut.wear.load import wear_table
 
 AnyCase = Case | GeneralCase
 
@@ -59,11 +60,13 @@ def validated(table: Mapping[str, Any], base_directory: Path) -> tuple[AnyCase, 
         With one line for each problem found.
     """
     problems: list[str] = []
-    # Other materials than the first body's stay in the case, as whole tables: it alone then makes the problem.
-    try:
-        table = _with_materials(table, base_directory)
-    except InputError as error:
-        problems += error.problems
+    # Other materials than the first body's, and wear constants, stay in the case as whole tables: it alone then makes
+    # the problem.
+    for written_out in (_with_materials, _with_wear):
+        try:
+            table = written_out(table, base_directory)
+        except InputError as error:
+            problems += error.problems
     model: type[Case] | type[GeneralCase] = GeneralCase if table.get("problem") == "general" else Case
     try:
         case = model.model_validate(table)
@@ -104,6 +107,14 @@ def _with_materials(table: Mapping[str, Any], base_directory: Path) -> Mapping[s
         others = [written_out(each, f"body.{i}.material") for i, each in enumerate(bodies[1:], 1)]
         table = {**table, "body": [*bodies[:1], *others]}
     return table
+
+
+def _with_wear(table: Mapping[str, Any], base_directory: Path) -> Mapping[str, Any]:
+    """``table`` with the tool's wear constants written out."""
+    tool = table.get("tool")
+    if not isinstance(tool, Mapping) or not isinstance(tool.get("wear"), str | Mapping):
+        return table
+    return {**table, "tool": {**tool, "wear": wear_table(tool["wear"], base_directory)}}
 
 
 def _material_spec(table: Mapping[str, Any]) -> tuple[Any, str]:

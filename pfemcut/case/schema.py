@@ -78,6 +78,11 @@ class Tool(ToolHeat):
     rake: float = Field(default=0.0, gt=-45, lt=45, description="Rake angle (degrees)")
     clearance: float = Field(default=5.0, gt=0, lt=45, description="Clearance angle (degrees)")
     tip_radius: float = Field(gt=0, description="Radius of the tip circle (mm)")
+    wear: Annotated[str | dict[str, Any], BeforeValidator(name_or_table)] | None = Field(
+        default=None,
+        description="Constants of Usui's wear rate: name in the library, path to a file, or a table "
+        "`{ A = …, B = … }`, see [tool_profiles.md](tool_profiles.md); they change no result of the run",
+    )
 
     @model_validator(mode="after")
     def _has_a_body_if_it_deforms(self) -> Self:

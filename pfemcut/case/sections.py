@@ -32,7 +32,7 @@ def planned(*names: str) -> BeforeValidator:
 
 
 def name_or_table(value: Any) -> Any:
-    """``value`` if it can name or describe a material."""
+    """``value`` if it can name or describe a material or another entry of a library."""
     if not isinstance(value, str | dict):
         raise ValueError(f"given {value!r}, must be a name in the library, a path or a table")
     return value

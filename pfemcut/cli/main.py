@@ -1,4 +1,4 @@
-"""The command line: ``pfemcut run | sweep | check | report | materials``.
+"""The command line: ``pfemcut run | sweep | compare | converge | calibrate | check | report | profiles | materials``.
 
 Exit status 0 for success (a finished, valid run), 1 for a run that stopped, 2 for bad input, 130 for Ctrl-C.
 Whatever is slow to import (dolfinx, matplotlib) is imported by the command that needs it.
@@ -16,6 +16,10 @@ import typer
 
 from pfemcut.case.check import figures, warnings
 from pfemcut.case.load import directed, load_case
+from pfemcut.cli.calibrate import calibrate
+from pfemcut.cli.compare import compare
+from pfemcut.cli.converge import converge
+from pfemcut.cli.profiles import profiles
 from pfemcut.cli.speech import complain, say
 from pfemcut.cli.sweep import sweep
 from pfemcut.cli.table import result_lines
@@ -120,6 +124,10 @@ def run(
 
 
 app.command()(sweep)
+app.command()(compare)
+app.command()(converge)
+app.command()(calibrate)
+app.command()(profiles)
 
 
 @app.command()

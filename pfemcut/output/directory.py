@@ -18,8 +18,23 @@ SUMMARY = "summary.json"
 INPUTS = "inputs.resolved.toml"
 FIGURES = "figures"
 REPORT = "report.html"
+CONTACT = "contact.csv"
+PROFILES = "tool_profiles.csv"
 
-OURS = (HISTORY, TIMING, SUMMARY, INPUTS, FIGURES, REPORT, COLLECTION, FOLDER, NAME, PREVIOUS)
+OURS = (
+    HISTORY,
+    TIMING,
+    SUMMARY,
+    INPUTS,
+    FIGURES,
+    REPORT,
+    CONTACT,
+    PROFILES,
+    COLLECTION,
+    FOLDER,
+    NAME,
+    PREVIOUS,
+)
 
 
 class OutputError(UserError):
@@ -27,9 +42,9 @@ class OutputError(UserError):
 
 
 def remove_conclusions(directory: Path) -> None:
-    """Remove what the end of an earlier run concluded: summary, report and figures."""
+    """Remove what the end of an earlier run concluded: summary, tables, report and figures."""
     with writing(directory):
-        for name in (SUMMARY, REPORT):
+        for name in (SUMMARY, REPORT, PROFILES):
             (directory / name).unlink(missing_ok=True)
         shutil.rmtree(directory / FIGURES, ignore_errors=True)
 

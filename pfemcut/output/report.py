@@ -15,6 +15,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from pfemcut.output.directory import FIGURES, HISTORY, INPUTS, REPORT, SUMMARY, OutputError
 from pfemcut.output.figures import write_figures
+from pfemcut.output.profile_figure import write_profile_figure
 from pfemcut.output.progress import duration
 from pfemcut.output.vtu import FieldsError, read_last_frame
 from pfemcut.results.definitions import FIGURES as DEFINITIONS
@@ -94,7 +95,8 @@ def _pictures(directory: Path, inputs: str) -> list[Path]:
     if not history or history["step"].size == 0:
         return []
     window = steady_window(history["travel"], history["cutting_force"])
-    return write_figures(directory / FIGURES, frame, history, window, depth)
+    figures = write_figures(directory / FIGURES, frame, history, window, depth)
+    return [*figures, *write_profile_figure(directory)]
 
 
 def _result(label: str, meaning: str, figure: Mapping[str, Any]) -> dict[str, str]:

@@ -8,6 +8,7 @@ can be made from the output directory alone.
 from __future__ import annotations
 
 import xml.etree.ElementTree as Xml
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -153,7 +154,18 @@ def read_last_frame(directory: Path) -> Frame:
     if not entries:
         raise FieldsError(f"{directory / COLLECTION}: there are no fields")
     last = max(entry.step for entry in entries)
-    files = {entry.part: entry for entry in entries if entry.step == last}
+    return read_frame(directory, [entry for entry in entries if entry.step == last])
+
+
+def read_frame(directory: Path, entries: Sequence[Entry]) -> Frame:
+    """Read one frame back, whose files of the collection are ``entries``.
+
+    Raises
+    ------
+    FieldsError
+        If a file is damaged.
+    """
+    files = {entry.part: entry for entry in entries}
     body = _read(directory / files[BODY_PART].file)
     tool: tuple[RigidWedge, ...] = ()
     blocks: tuple[Block, ...] = ()
@@ -184,9 +196,9 @@ def read_last_frame(directory: Path) -> Frame:
         body.point_data["contact_pressure"][particles],
         body.point_data["contact_shear"][particles],
     )
-    time = files[BODY_PART].time
+    step, time = files[BODY_PART].step, files[BODY_PART].time
     loops = boundary_loops(cells)
-    return Frame(last, time, travel, points, cells, loops, point_fields, cell_fields, tool, contact, blocks)
+    return Frame(step, time, travel, points, cells, loops, point_fields, cell_fields, tool, contact, blocks)
 
 
 def _blocks(tool: meshio.Mesh) -> tuple[Block, ...]:

@@ -27,7 +27,7 @@ VERSION = 2
 NAME = "checkpoint.h5"
 PREVIOUS = "checkpoint.previous.h5"
 
-FREE_TO_CHANGE = ("cutting.travel", "output")
+FREE_TO_CHANGE = ("cutting.travel", "output", "tool.wear")
 """Keys (or whole tables) of a case that may differ on resume. The number of ranks is no part of a case."""
 
 
@@ -163,7 +163,8 @@ def require_same_case(stored: str, wanted: str) -> None:
     changes = changed_keys(stored, wanted)
     if changes:
         raise CheckpointError(
-            "only travel, output and the number of ranks may change on resume, but: " + "; ".join(changes)
+            "only travel, output, wear constants and the number of ranks may change on resume, but: "
+            + "; ".join(changes)
         )
 
 

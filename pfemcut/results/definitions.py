@@ -11,6 +11,7 @@ class Taken(Enum):
 
     WINDOW = "mean and standard deviation over the steady window"
     LAST = "last row"
+    INSTANTS = "mean and standard deviation over the instants recorded in the steady window"
 
 
 @dataclass(frozen=True)
@@ -20,7 +21,7 @@ class Definition:
     Attributes
     ----------
     name
-        Key in ``summary.json`` and, unless the summary computes it, column of ``history.csv``.
+        Key in ``summary.json`` and, unless the summary or the profiles compute it, column of ``history.csv``.
     label
         What the report calls it.
     unit
@@ -28,7 +29,7 @@ class Definition:
     meaning
         Definition in one sentence.
     taken
-        How it comes from the history.
+        How it comes from the history, or from the contact records.
     """
 
     name: str
@@ -175,6 +176,44 @@ FIGURES = (
         "Mean over the tip circle, against the motion positive; from where the tool would be without load.",
     ),
     Definition("tool_tip_deflection_y", "Deflection of the tip, y", "mm", "Likewise, upwards positive."),
+    Definition(
+        "profile_cutting_force",
+        "Cutting force of the tool profiles",
+        "N/mm",
+        "What pressure and shear along the tool add up to at the instants that the profiles are means of.",
+        Taken.INSTANTS,
+    ),
+    Definition(
+        "profile_thrust_force", "Thrust force of the tool profiles", "N/mm", "Likewise.", Taken.INSTANTS
+    ),
+    Definition(
+        "crater_wear_rate",
+        "Largest wear rate on the rake face",
+        "mm/s",
+        "By Usui's law, with the constants of the case, of a fresh tool at the temperature of this cut.",
+        Taken.INSTANTS,
+    ),
+    Definition(
+        "crater_wear_position",
+        "Where: up the rake face",
+        "mm",
+        "Of the largest mean wear rate, from the rake tangent point.",
+        Taken.INSTANTS,
+    ),
+    Definition(
+        "edge_wear_rate",
+        "Largest wear rate on the edge",
+        "mm/s",
+        "Likewise, on the tip circle's arc.",
+        Taken.INSTANTS,
+    ),
+    Definition(
+        "flank_wear_rate",
+        "Mean wear rate on the flank face",
+        "mm/s",
+        "Likewise, mean over the length of the flank that is in contact at any instant.",
+        Taken.INSTANTS,
+    ),
     Definition("peak_strain_rate", "Peak plastic strain rate", "1/s", "Largest of all elements."),
     Definition("max_eqps", "Maximum equivalent plastic strain", "-", "Largest of all elements."),
     Definition(

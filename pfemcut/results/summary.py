@@ -8,6 +8,7 @@ import platform
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -100,6 +101,7 @@ def summarise(
     depth: float = math.nan,
     rake: float = math.nan,
     warnings: Sequence[str] = (),
+    profile_figures: Mapping[str, Mapping[str, float | str]] = MappingProxyType({}),
 ) -> Summary:
     """Build the summary of a history.
 
@@ -113,6 +115,8 @@ def summarise(
         Depth of cut (mm) and rake angle (degrees); nan if the problem isn't a cut.
     warnings
         What the run has to add to the summary's own warnings.
+    profile_figures
+        Figures of the profiles along the tool, by name.
     """
     columns = dict(history)
     rows = columns["step"].size
@@ -125,11 +129,12 @@ def summarise(
         columns["apparent_friction"] = apparent_friction(
             columns["cutting_force"], columns["thrust_force"], rake
         )
-    figures = {
+    figures: dict[str, Mapping[str, float | str]] = {
         item.name: _figure(item, columns[item.name], window)
         for item in FIGURES
         if rows and item.name in columns and np.isfinite(columns[item.name]).any()
     }
+    figures |= profile_figures
     total = timing.get("total", np.zeros(0))
     return Summary(
         title=title,
