@@ -6,9 +6,12 @@ import difflib
 import tomllib
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any, Self, get_args
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, ValidationError, model_validator
+
+LONGEST_LINE = 600
+"""Characters of a line of an error; what users typed may be a megabyte."""
 
 
 class UserError(Exception):
@@ -19,11 +22,38 @@ class InputError(UserError):
     """Bad user input; ``problems`` holds one line each and the message is all of them."""
 
     def __init__(self, problems: Iterable[str]) -> None:
-        self.problems = tuple(problems)
+        self.problems = tuple(_line(problem) for problem in problems)
         super().__init__(self.problems)
 
     def __str__(self) -> str:
         return "\n".join(self.problems)
+
+
+SMALLEST, LARGEST = 1e-30, 1e30
+"""Magnitudes of numbers in input that are not zero: beyond them products of a few overflow or vanish."""
+
+
+class InputModel(BaseModel):
+    """Base of tables that users write: numbers have magnitudes that can be computed with."""
+
+    @model_validator(mode="after")
+    def _can_be_computed_with(self) -> Self:
+        wrong = [
+            f"{key}: given {_shown(value)}, must be zero or have a magnitude from {SMALLEST:g} to {LARGEST:g}"
+            for key, given in self
+            for value in (given if isinstance(given, tuple) else (given,))
+            if isinstance(value, int | float) and value != 0 and not SMALLEST <= abs(value) <= LARGEST
+        ]
+        if wrong:
+            raise ValueError("\n".join(wrong))
+        return self
+
+
+def _line(problem: str) -> str:
+    """``problem`` as one line of bearable length, without characters that would steer a terminal."""
+    if len(problem) > LONGEST_LINE:
+        problem = f"{problem[: LONGEST_LINE // 2]} ... {problem[-LONGEST_LINE // 3 :]}"
+    return "".join(letter if letter.isprintable() else repr(letter)[1:-1] for letter in problem)
 
 
 def nearest(name: str, candidates: Iterable[str]) -> str:
@@ -60,6 +90,11 @@ def read_toml(path: Path) -> dict[str, Any]:
         return tomllib.loads(text.removeprefix("\ufeff"))
     except tomllib.TOMLDecodeError as error:
         raise InputError([f"{path}: TOML syntax error: {error}"]) from None
+    except RecursionError:
+        raise InputError([f"{path}: tables or lists are nested too deeply"]) from None
+    except ValueError:
+        # Not a decoding error to tomllib: Python refuses to read integers of thousands of digits, and days like 32.
+        raise InputError([f"{path}: a number or date that can't be read"]) from None
 
 
 def explained(error: ValidationError, model: type[BaseModel], section: str = "") -> list[str]:
@@ -178,5 +213,8 @@ def _label(section: str, path: Sequence[int | str]) -> str:
 
 
 def _shown(value: Any) -> str:
-    text = repr(value)
+    try:
+        text = repr(value)
+    except (ValueError, RecursionError):
+        return "something too long or too deeply nested to show"
     return text if len(text) <= 60 else text[:57] + "..."

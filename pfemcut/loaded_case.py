@@ -43,7 +43,7 @@ class LoadedCase:
         """Choices that are allowed but unwise, as ``pfemcut check`` prints them."""
         from pfemcut.case.check import warnings
 
-        return warnings(self.case, self.material)
+        return warnings(self.case, self.material, self.directory)
 
     def toml(self) -> str:
         """The whole case with all defaults, as a case file."""

@@ -194,7 +194,7 @@ def toml_value(text: str) -> Any:
     """``text`` read as a TOML value, or itself if it is none."""
     try:
         document = tomllib.loads(f"value = {text}")
-    except tomllib.TOMLDecodeError:
+    except (ValueError, RecursionError):  # a TOMLDecodeError is a ValueError
         return text
     # Anything beyond one value (a line break smuggled in) is no value.
     return document["value"] if list(document) == ["value"] else text

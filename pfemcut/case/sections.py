@@ -18,6 +18,7 @@ from pydantic import (
 )
 
 from pfemcut.contact.friction_laws import FrictionTable
+from pfemcut.inputs import InputModel
 
 
 def planned(*names: str) -> BeforeValidator:
@@ -38,7 +39,7 @@ def name_or_table(value: Any) -> Any:
     return value
 
 
-class Section(BaseModel):
+class Section(InputModel):
     """What all sections share: immutable, no unknown keys, no guessing of types, finite numbers."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)

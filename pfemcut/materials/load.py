@@ -19,7 +19,7 @@ from pydantic import (
     model_validator,
 )
 
-from pfemcut.inputs import InputError, explained, nearest, read_toml
+from pfemcut.inputs import InputError, InputModel, explained, nearest, read_toml
 from pfemcut.materials.hardening import LAWS, HardeningTable
 from pfemcut.materials.material import Material, Property
 
@@ -27,7 +27,7 @@ Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
 
 
-class _Table(BaseModel):
+class _Table(InputModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
     temperature: Annotated[tuple[Positive, ...], Strict(False)] = Field(
@@ -75,7 +75,7 @@ NotNegativeProperty = Annotated[
 ]
 
 
-class MaterialTable(BaseModel):
+class MaterialTable(InputModel):
     """Schema of a material file. Properties that depend on temperature may be given as a table."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
@@ -115,7 +115,8 @@ class MaterialTable(BaseModel):
         if not isinstance(table, Mapping) or not isinstance(table.get("hardening"), Mapping):
             return table
         hardening = dict(table["hardening"])
-        law = LAWS.get(hardening.get("law", ""))
+        name = hardening.get("law", "")
+        law = LAWS.get(name) if isinstance(name, str) else None
         if law is not None and "reference_temperature" in law.model_fields:
             default = cls.model_fields["reference_temperature"].default
             hardening.setdefault("reference_temperature", table.get("reference_temperature", default))

@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from pfemcut.inputs import InputError, explained, read_toml
+from pfemcut.inputs import InputError, InputModel, explained, read_toml
 from pfemcut.validation.study import Outcome
 
 SAFETY = 1.25
@@ -36,7 +36,7 @@ LABELS = {
 """The compared figures."""
 
 
-class Value(BaseModel):
+class Value(InputModel):
     """A measured value with its scatter (half-width)."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)

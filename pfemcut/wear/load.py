@@ -7,15 +7,15 @@ from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, Strict, ValidationError
+from pydantic import ConfigDict, Field, Strict, ValidationError
 
-from pfemcut.inputs import InputError, explained, nearest, read_toml
+from pfemcut.inputs import InputError, InputModel, explained, nearest, read_toml
 from pfemcut.wear.usui import Constants, UsuiWear
 
 SECTION = "tool.wear"
 
 
-class _Table(BaseModel):
+class _Table(InputModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
     A: float = Field(gt=0, description="Usui's factor A (1/MPa)")

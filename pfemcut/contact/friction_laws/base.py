@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import ConfigDict, Field
 
 from pfemcut.contact.friction import Array, Interface, Shear
+from pfemcut.inputs import InputModel
 
 _ROOT_3 = np.sqrt(3.0)
 
@@ -20,7 +21,7 @@ class Strength:
     by_pressure: Array
 
 
-class LawModel(BaseModel):
+class LawModel(InputModel):
     """Base of the friction laws; a subclass in a module of this package is found and offered by name.
 
     A subclass declares ``law: Literal["its-name"]``, its constants with units, and ``strength``. The shear traction

@@ -6,15 +6,16 @@ from itertools import pairwise
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, Strict, model_validator
+from pydantic import ConfigDict, Field, Strict, model_validator
 
 from pfemcut.contact.friction import Array, Interface
 from pfemcut.contact.friction_laws.base import LimitedLaw, Strength
+from pfemcut.inputs import InputModel
 
 _NotNegative = Annotated[float, Field(ge=0)]
 
 
-class Points(BaseModel):
+class Points(InputModel):
     """A piecewise linear function, constant beyond its ends, as ``{at = [...], value = [...]}``."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)

@@ -5,12 +5,13 @@ from __future__ import annotations
 from typing import ClassVar
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict
+from pydantic import ConfigDict
 
+from pfemcut.inputs import InputModel
 from pfemcut.materials.material import Array, FlowStress
 
 
-class LawModel(BaseModel):
+class LawModel(InputModel):
     """Base of the hardening laws; a subclass in a module of this package is found and offered by name.
 
     A subclass declares ``law: Literal["its-name"]``, its constants with units, and ``flow_stress``.
