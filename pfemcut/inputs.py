@@ -66,6 +66,14 @@ def nearest(name: str, candidates: Iterable[str]) -> str:
     return "; allowed: " + ", ".join(f"'{candidate}'" for candidate in known)
 
 
+def is_file(path: Path) -> bool:
+    """Whether ``path`` is a file; false too for names that can't be a file's."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
+
+
 def read_toml(path: Path) -> dict[str, Any]:
     """Parse a TOML file.
 
@@ -75,9 +83,11 @@ def read_toml(path: Path) -> dict[str, Any]:
         If the file is missing, is a directory, is unreadable, is not UTF-8 or has a syntax error (named with
         its line).
     """
-    if path.is_dir():
-        raise InputError([f"{path}: is a directory, not a TOML file"])
     try:
+        if path.is_dir():
+            raise InputError([f"{path}: is a directory, not a TOML file"])
+        if path.is_char_device() or path.is_block_device():
+            raise InputError([f"{path}: not a file"])
         text = path.read_bytes().decode("utf-8")
     except FileNotFoundError:
         raise InputError([f"{path}: no such file"]) from None
@@ -85,6 +95,8 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise InputError([f"{path}: not UTF-8 text (byte {error.start})"]) from None
     except OSError as error:
         raise InputError([f"{path}: can't be read: {error.strerror}"]) from None
+    except ValueError as error:  # a name with a zero byte
+        raise InputError([f"{path}: can't be read: {error}"]) from None
     try:
         # An editor's byte order mark is not part of the document.
         return tomllib.loads(text.removeprefix("\ufeff"))

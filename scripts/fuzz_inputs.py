@@ -190,7 +190,9 @@ def mutated_value(rng: random.Random, table: dict[str, Any]) -> dict[str, Any]:
     for key in path[:-1]:
         holder = holder[key]
     key, kind = path[-1], rng.random()
-    if kind < 0.62:
+    if kind < 0.3 and isinstance(holder[key], str):
+        holder[key] = rng.choice([each for each in HOSTILE if isinstance(each, str)])
+    elif kind < 0.62:
         holder[key] = (
             copy.deepcopy(rng.choice(HOSTILE)) if rng.random() < 0.98 else deep(rng.choice((5, 400)))
         )

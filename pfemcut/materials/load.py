@@ -19,7 +19,7 @@ from pydantic import (
     model_validator,
 )
 
-from pfemcut.inputs import InputError, InputModel, explained, nearest, read_toml
+from pfemcut.inputs import InputError, InputModel, explained, is_file, nearest, read_toml
 from pfemcut.materials.hardening import LAWS, HardeningTable
 from pfemcut.materials.material import Material, Property
 
@@ -244,7 +244,7 @@ def _named(name: str, base_directory: Path, section: str) -> tuple[dict[str, Any
         with resources.as_file(text) as path:
             return read_toml(path), f"material '{name}'"
     path = base_directory / name
-    if name.endswith(".toml") or path.is_file():
+    if name.endswith(".toml") or is_file(path):
         return read_toml(path), str(path)
     hint = nearest(name, library_names())
     raise InputError([f"{_spoken(section)}unknown material '{name}'{hint} (or a path to a .toml file)"])

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 from pydantic import ConfigDict, Field, Strict, ValidationError
 
-from pfemcut.inputs import InputError, InputModel, explained, nearest, read_toml
+from pfemcut.inputs import InputError, InputModel, explained, is_file, nearest, read_toml
 from pfemcut.wear.usui import Constants, UsuiWear
 
 SECTION = "tool.wear"
@@ -98,7 +98,7 @@ def _named(name: str, base_directory: Path) -> tuple[dict[str, Any], str]:
         with resources.as_file(resources.files("pfemcut.wear") / "library" / f"{name}.toml") as path:
             return read_toml(path), f"wear constants '{name}'"
     path = base_directory / name
-    if name.endswith(".toml") or path.is_file():
+    if name.endswith(".toml") or is_file(path):
         return read_toml(path), str(path)
     hint = nearest(name, wear_names())
     raise InputError([f"[tool] wear: unknown pair '{name}'{hint} (or a path to a .toml file)"])
