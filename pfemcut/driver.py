@@ -11,7 +11,7 @@ import signal
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -31,21 +31,30 @@ from pfemcut.output.directory import (
 )
 from pfemcut.output.progress import progress_display
 from pfemcut.output.recorder import Recorder
+from pfemcut.output.requests import Request, asked, done
+from pfemcut.output.surface import surface_figures, surface_warnings
 from pfemcut.output.tool_profiles import cut_profiles, write_table
 from pfemcut.problem import Cut, Problem
 from pfemcut.ranks import Ranks, RanksDiffer, SignalNotes
-from pfemcut.results.checkpoint import Checkpoint, State, read_checkpoint, require_same_case
+from pfemcut.results.checkpoint import (
+    Checkpoint,
+    State,
+    read_checkpoint,
+    require_same_case,
+    require_still_cutting,
+)
 from pfemcut.results.contact_table import EVERY
 from pfemcut.results.derived.columns import derived_columns
 from pfemcut.results.derived.profile_figures import profile_figures
 from pfemcut.results.derived.tool_heating import tool_warnings
 from pfemcut.results.derived.tool_profiles import tool_loads
 from pfemcut.results.history import CORE_COLUMNS, read_table
-from pfemcut.results.summary import Summary, summarise, write_summary
+from pfemcut.results.summary import Summary, summarise, update_summary, write_summary
 
 if TYPE_CHECKING:
     from pfemcut.case.load import AnyCase
     from pfemcut.materials.material import Material
+    from pfemcut.output.scales import Scales
 
 
 class RunInterrupted(RunStopped):
@@ -125,10 +134,19 @@ def run_case(
     )
 
 
-def report_case(directory: Path) -> None:
+def report_case(directory: Path, *, animation: bool = True, scales: Scales | None = None) -> None:
     """Write figures and report of a cutting case from its output directory alone.
 
     A run that was killed, or goes on, has no summary yet; its history so far makes one.
+
+    Parameters
+    ----------
+    directory
+        Output directory of a run.
+    animation
+        Whether to draw the animation of the chip too.
+    scales
+        Colour scales of fields that replace their own.
 
     Raises
     ------
@@ -139,13 +157,15 @@ def report_case(directory: Path) -> None:
     from pfemcut.case.translate import problem_of
     from pfemcut.output.report import write_report
 
-    if not (directory / SUMMARY).exists():
-        problem = problem_of(*validated(read_toml(directory / INPUTS), directory), directory)
+    problem = problem_of(*validated(read_toml(directory / INPUTS), directory), directory)
+    if (directory / SUMMARY).exists():
+        update_summary(directory / SUMMARY, surface_figures(directory, problem))
+    else:
         ending = "had not ended when this was written"
         summary = summary_of(directory, problem, finished=False, ending=ending, warnings=(ending,))
         with writing(directory):
             write_summary(directory / SUMMARY, summary)
-    write_report(directory)
+    write_report(directory, animation=animation, scales=scales)
 
 
 def run_problem(
@@ -190,7 +210,8 @@ def run_problem(
     Raises
     ------
     RunStopped
-        If the method can't go on, or (:class:`RunInterrupted`) on SIGINT, SIGTERM or SIGUSR1. Outputs and a checkpoint
+        If the method can't go on, or (:class:`RunInterrupted`) on SIGINT, SIGTERM, SIGUSR1 or a
+        request (:mod:`pfemcut.output.requests`). Outputs and a checkpoint
         of the last finished step are written, and a summary that says ``finished: false``. After
         :class:`pfemcut.ranks.RanksDiffer` the last checkpoint is that of an earlier step.
     OutputError, CheckpointError
@@ -199,6 +220,8 @@ def run_problem(
     ranks = Ranks(communicator)
     with ranks.together():
         ranks.on_first(lambda: prepare_directory(directory, resume=resume, overwrite=overwrite))
+        # What was asked of an earlier run, which ended before it came to it.
+        ranks.on_first(lambda: done(directory, *Request))
         last_step = -1
         warnings: tuple[str, ...] = ()
         if resume:
@@ -207,6 +230,7 @@ def run_problem(
             ranks.on_first(lambda: remove_conclusions(directory))
             last_step, warnings = checkpoint.step, checkpoint.warnings
             method = factory.restore(checkpoint.state)
+            require_still_cutting(checkpoint.resolved_case, inputs, method.measure().time)
         else:
             method = factory.start()
         run = _Run(problem, method, directory, controls, ranks, warnings, callbacks)
@@ -226,7 +250,7 @@ def summary_of(
     for found in cut_profiles(directory):
         write_table(directory, found.profiles)
         figures = profile_figures(found.profiles)
-    return summarise(
+    summary = summarise(
         columns,
         read_table(timing) if timing.exists() else {},
         title=problem.title,
@@ -236,6 +260,12 @@ def summary_of(
         rake=tool[0].shape.rake if tool else math.nan,
         warnings=(*warnings, *(tool_warnings(problem, columns["time"][-1]) if columns["time"].size else ())),
         profile_figures=figures,
+    )
+    figures = surface_figures(directory, problem)
+    return replace(
+        summary,
+        figures={**summary.figures, **figures},
+        warnings=(*summary.warnings, *surface_warnings(problem, figures)),
     )
 
 
@@ -290,12 +320,7 @@ class _Run:
                     self._record(measures, begun)
                     progress.show(measures)
                     self._call(self._callbacks.after_step)
-                    number = self._ranks.largest(signals.noted)
-                    if number and not method.finished:
-                        raise RunInterrupted(
-                            f"stopped by {signal.Signals(number).name} after step {measures.step}, "
-                            f"travel {measures.travel:.4f} mm; it can be resumed"
-                        )
+                    self._obey(measures, self._ranks.largest(signals.noted))
         except CutEnded as ended:
             return self._finish(finished=True, ending=str(ended), warnings=(str(ended),))
         except RanksDiffer:
@@ -325,6 +350,20 @@ class _Run:
         if self._ranks.largest(int(bool(moment.stop_reason))) and not self._method.finished:
             raise _CallbackStopped(f"stopped by a callback: {moment.stop_reason or 'on another rank'}")
 
+    def _obey(self, measures: Measures, number: int) -> None:
+        """Do what was asked for during a step, by the signal of that number or by requests in the directory."""
+        requests = self._ranks.on_first(lambda: asked(self._directory))
+        if Request.CHECKPOINT in requests:
+            self._record_checkpoint(measures.step)
+        if requests:
+            self._ranks.on_first(lambda: done(self._directory, *requests))
+        by = signal.Signals(number).name if number else "a request"
+        if (number or Request.STOP in requests) and not self._method.finished:
+            raise RunInterrupted(
+                f"stopped by {by} after step {measures.step}, "
+                f"travel {measures.travel:.4f} mm; it can be resumed"
+            )
+
     def _advance(self) -> Measures:
         """Advance one step, to which all ranks must come to the same outcome; its measures, or its error."""
         outcome: Measures | Exception
@@ -345,7 +384,7 @@ class _Run:
         self._pending = [measures]
         if step % controls.history_every == 0:
             self._record_row()
-        if step % controls.every == 0:
+        if step % controls.every == 0 or self._problem.ends_stage(measures.time):
             self._record_frame(method.frame())
         if step % controls.checkpoint_every == 0:
             self._record_checkpoint(step)
@@ -367,7 +406,8 @@ class _Run:
             ) -> None:
                 for frame, cut in cuts:
                     own.update(derived_columns(frame, cut))
-                    if measures.step % EVERY == 0:
+                    # A tool that withdraws has other loads than that of the cut.
+                    if measures.step % EVERY == 0 and self._problem.cutting_at(measures.time):
                         self._record_contact(frame, cut, measures.dt)
                 self._recorders[0].row(measures, own)
 

@@ -97,6 +97,9 @@ def run(
         tool=(MovingTool(tool_of(6.0), (-CUT.speed, 0.0)),),
         pairs=(),
         others=(),
+        after=(),
+        ends_stage=lambda time: False,
+        cutting_at=lambda time: True,
     )
     factory = MethodFactory(
         start=lambda: ChaoticMethod(last, events=events),

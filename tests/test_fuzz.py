@@ -117,3 +117,9 @@ def test_values_of_variants_never_become_other_paths(value: str) -> None:
     (variant,) = variants_of({"workpiece.material": [value]}, {})
     assert Path(variant.name).name == variant.name and variant.name not in (".", "..")
     assert variant.name.isprintable() and len(variant.name.encode()) < 200
+
+
+def test_a_path_of_a_thousand_keys_is_one_clear_error(capsys: pytest.CaptureFixture[str]) -> None:
+    case = str(ROOT / "demos/aisi4340_demo/case.toml")
+    assert status(["check", case, "--set", ".".join("a" * 2000) + "=1"]) == 2
+    assert "tables deep" in capsys.readouterr().err

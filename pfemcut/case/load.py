@@ -18,6 +18,7 @@ from pfemcut.materials.material import Material
 from pfemcut.wear.load import wear_table
 
 AnyCase = Case | GeneralCase
+_DEEPEST = 20  # tables in tables; no key of a case lies so deep
 
 
 class CaseError(InputError):
@@ -141,8 +142,8 @@ def overridden(table: Mapping[str, Any], override: str) -> dict[str, Any]:
     target, equals, text = override.partition("=")
     keys = [key.strip() for key in target.split(".")]
     if not equals or not all(keys):
-        raise CaseError([f"--set: given '{override}', must be section.key=value"])
-    return replaced(table, keys, toml_value(text), f"--set: given '{override}'")
+        raise CaseError([f"--set: given {override!r}, must be section.key=value"])
+    return replaced(table, keys, toml_value(text), f"--set: given {override!r}")
 
 
 def replaced(table: Mapping[str, Any], keys: Sequence[str], value: Any, origin: str) -> dict[str, Any]:
@@ -164,6 +165,9 @@ def replaced(table: Mapping[str, Any], keys: Sequence[str], value: Any, origin: 
     CaseError
         If the path leads through something that is not a table.
     """
+
+    if len(keys) > _DEEPEST:
+        raise CaseError([f"{origin}, but no key lies {len(keys)} tables deep"])
 
     def inner(inside: Any, depth: int) -> Any:
         if depth == len(keys):

@@ -24,7 +24,7 @@ from pfemcut.case.sections import (
 
 
 class Workpiece(Section):
-    """The block that is cut: [0, length] x [0, height], fixed at the bottom and held at x = 0."""
+    """The block that is cut: [0, length] x [0, height], fixed at the bottom; at x = 0 it is held or free."""
 
     length: float = Field(gt=0, description="Length along the cut (mm)")
     height: float = Field(gt=0, description="Height (mm)")
@@ -35,6 +35,10 @@ class Workpiece(Section):
         default=None,
         gt=0,
         description="Initial temperature (K); the material's reference temperature unless given",
+    )
+    end: Literal["held", "free"] = Field(
+        default="held",
+        description="Whether u_x = 0 on x = 0; a free end is one through which the tool may leave (travel > length)",
     )
 
 
@@ -110,6 +114,49 @@ class Cutting(Section):
         gt=0, description="Uncut chip thickness, top surface to lowest point of the tip (mm)"
     )
     travel: float = Field(gt=0, description="Travel of the tool from first contact (mm)")
+    chip_length: float | None = Field(
+        default=None,
+        gt=0,
+        description="Length of the chip, along its rake side from the tool's tip, at which it is cut off whenever it "
+        "is a quarter longer (mm), with its mass, heat and energy booked; not cut off unless given",
+    )
+
+
+class After(Section):
+    """What comes after the cut: the tool withdraws, and the workpiece cools down and is let go if wished."""
+
+    withdrawal: float | None = Field(
+        default=None,
+        gt=0,
+        description="Way of the tool, equally far from rake and flank face (mm); two depths of cut unless given",
+    )
+    cool: bool = Field(
+        default=True,
+        description="Whether the workpiece cools down, with bottom and held end at the surroundings' temperature",
+    )
+    temperature: float | None = Field(
+        default=None,
+        gt=0,
+        description="Of the surroundings (K); the workpiece's initial temperature unless given",
+    )
+    cooling_time: float | None = Field(
+        default=None,
+        gt=0,
+        description="How long it cools (s); unless given, 20 times the square of the height (of the travel if that is "
+        "more) over the diffusivity",
+    )
+    cooling_steps: int = Field(
+        default=60, ge=5, le=2000, description="Steps of the cooling, which grow geometrically"
+    )
+    convection: float = Field(
+        default=0.0,
+        ge=0,
+        description="Heat transfer coefficient of the other faces (N/(mm s K); 1e-3 of the number in W/(m² K))",
+    )
+    release: bool = Field(
+        default=False,
+        description="Whether bottom and held end are let go at last, but for the two lower corners",
+    )
 
 
 class Mesh(Spacing):
@@ -120,6 +167,12 @@ class Mesh(Spacing):
     chip_size: float = Field(default=0.02, gt=0, description="Largest spacing in the chip (mm)")
     surface_size: float = Field(
         default=0.02, gt=0, description="Largest spacing below the machined surface (mm)"
+    )
+    surface_length: float | None = Field(
+        default=None,
+        gt=0,
+        description="How far behind the tool surface_size holds, the spacing growing beyond (mm); all the way unless "
+        "given",
     )
     far_size: float = Field(default=0.4, gt=0, description="Largest spacing anywhere (mm)")
     growth: float = Field(
@@ -144,6 +197,7 @@ class Case(Section):
     workpiece: Workpiece = Field(description="Table [workpiece]: the block that is cut")
     tool: Tool = Field(description="Table [tool]")
     cutting: Cutting = Field(description="Table [cutting]: the motion of the tool")
+    after: After | None = Field(default=None, description="Table [after]: unloading and cooling")
     contact: CuttingContact = Field(default_factory=CuttingContact, description="Table [contact]")
     mesh: Mesh = Field(default_factory=Mesh, description="Table [mesh]: particle spacing")
     time: Time = Field(description="Table [time]: time steps")
@@ -158,7 +212,7 @@ class Case(Section):
                 ("cutting", "depth", self.cutting.depth, "[workpiece] height", self.workpiece.height),
                 ("cutting", "travel", self.cutting.travel, "[workpiece] length", self.workpiece.length),
             )
-            if given >= limit
+            if given >= limit and not (key == "travel" and self.workpiece.end == "free")
         ]
         if wrong:
             raise ValueError("\n".join(wrong))

@@ -10,7 +10,6 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import (
     BaseModel,
     BeforeValidator,
-    ConfigDict,
     Discriminator,
     Field,
     Tag,
@@ -18,7 +17,7 @@ from pydantic import (
 )
 
 from pfemcut.contact.friction_laws import FrictionTable
-from pfemcut.inputs import InputModel
+from pfemcut.input_table import InputTable
 
 
 def planned(*names: str) -> BeforeValidator:
@@ -39,10 +38,8 @@ def name_or_table(value: Any) -> Any:
     return value
 
 
-class Section(InputModel):
-    """What all sections share: immutable, no unknown keys, no guessing of types, finite numbers."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+class Section(InputTable):
+    """What all sections share."""
 
 
 class Conduction(Section):
@@ -146,6 +143,10 @@ class SelfContact(Section):
     friction: float = Field(default=0.0, ge=0, le=2, description="Coulomb coefficient (dimensionless)")
     reference_speed: float = Field(
         default=1.0, gt=0, description="Sliding speed that regularises friction (mm/s)"
+    )
+    conductance: ConductanceOrTable | None = Field(
+        default=None,
+        description="Heat conductance of the interface (N/(mm s K)), or a table; that of [contact] unless given",
     )
 
 

@@ -20,6 +20,7 @@ FIGURES = "figures"
 REPORT = "report.html"
 CONTACT = "contact.csv"
 PROFILES = "tool_profiles.csv"
+RESIDUAL = "residual.csv"
 
 OURS = (
     HISTORY,
@@ -30,6 +31,7 @@ OURS = (
     REPORT,
     CONTACT,
     PROFILES,
+    RESIDUAL,
     COLLECTION,
     FOLDER,
     NAME,
@@ -44,7 +46,7 @@ class OutputError(UserError):
 def remove_conclusions(directory: Path) -> None:
     """Remove what the end of an earlier run concluded: summary, tables, report and figures."""
     with writing(directory):
-        for name in (SUMMARY, REPORT, PROFILES):
+        for name in (SUMMARY, REPORT, PROFILES, RESIDUAL):
             (directory / name).unlink(missing_ok=True)
         shutil.rmtree(directory / FIGURES, ignore_errors=True)
 

@@ -174,7 +174,11 @@ def _of_frames(
 ) -> _Instants:
     """Loads of the frames in the window, or of the last one; a frame that can't be read is left out."""
     steps: dict[int, list[Entry]] = {}
+    # None of a tool that has withdrawn.
+    last = history["step"][np.argmax(history["travel"] >= history["travel"][-1] - _TOLERANCE)]
     for entry in read_collection(directory):
+        if entry.step > last:
+            continue
         steps.setdefault(entry.step, []).append(entry)
     with_tool = [step for step in sorted(steps) if any(each.part == TOOL_PART for each in steps[step])]
     travel = np.interp(with_tool, history["step"], history["travel"])

@@ -7,6 +7,7 @@ can be made from the output directory alone.
 
 from __future__ import annotations
 
+import math
 import xml.etree.ElementTree as Xml
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -142,15 +143,15 @@ def other_mesh(block: Block, part: int) -> meshio.Mesh:
     return meshio.Mesh(_padded(block.points), [("triangle", block.cells)], point_data, cell_data)
 
 
-def read_last_frame(directory: Path) -> Frame:
-    """Read the last frame of an output directory back.
+def read_last_frame(directory: Path, until: float = math.inf) -> Frame:
+    """Read the last frame of an output directory back, or the last one up to the time ``until`` (s).
 
     Raises
     ------
     FieldsError
         If there is none or a file is damaged.
     """
-    entries = read_collection(directory)
+    entries = [entry for entry in read_collection(directory) if entry.time <= until * (1.0 + 1e-9)]
     if not entries:
         raise FieldsError(f"{directory / COLLECTION}: there are no fields")
     last = max(entry.step for entry in entries)

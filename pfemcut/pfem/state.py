@@ -188,6 +188,7 @@ class Ledger:
     ``contact`` and ``remeshing`` can have either sign. Heat: ``heat_generated`` is chi times plastic work plus the
     body's part of friction, ``heat_supplied`` came through boundaries, ``heat_to_tool`` left through the interface,
     ``heat_to_holder`` left a conducting tool, ``heat_remeshing`` is the content after minus before each transfer.
+    ``cut_off_mass`` (tonne/mm), ``cut_off_energy`` (stored) and ``cut_off_heat`` went with pieces of the chip.
     """
 
     tool_work: float = 0.0
@@ -203,6 +204,9 @@ class Ledger:
     heat_to_tool: float = 0.0
     heat_to_holder: float = 0.0
     heat_remeshing: float = 0.0
+    cut_off_mass: float = 0.0
+    cut_off_energy: float = 0.0
+    cut_off_heat: float = 0.0
     area_drift: float = 0.0
     inserted: int = 0
     removed: int = 0

@@ -16,6 +16,7 @@ from pfemcut.fem.partition import Partition
 from pfemcut.materials.return_mapping import ReturnMappingFailed
 from pfemcut.method import RunStopped
 from pfemcut.pfem import energies
+from pfemcut.pfem.chip_cut_off import cut_off_chip
 from pfemcut.pfem.mechanics import Motion, PlasticUpdate, solve_motion, update_plasticity
 from pfemcut.pfem.newton import StepFailed
 from pfemcut.pfem.particle_step import first_iterate, particle_step
@@ -66,6 +67,7 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
     CutEnded
         If the body touches itself.
     """
+    state = cut_off_chip(problem, state)
     # Box 1: the particles are where the last step moved them; remove, insert, triangulate, transfer.
     mesh, fields, remesh_map = particle_step(problem, state, watch)
     wished = step = _step_length(problem, state.clock)

@@ -23,7 +23,7 @@ from pfemcut.inputs import UserError
 State = Mapping[str, NDArray[np.generic]]
 
 FORMAT = "pfemcut checkpoint"
-VERSION = 2
+VERSION = 3
 NAME = "checkpoint.h5"
 PREVIOUS = "checkpoint.previous.h5"
 
@@ -31,7 +31,7 @@ HEADER = 512
 """Bytes before the HDF5 part (its user block), which hold the checksum of that part."""
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
-FREE_TO_CHANGE = ("cutting.travel", "output", "tool.wear")
+FREE_TO_CHANGE = ("cutting.travel", "after", "output", "tool.wear")
 """Keys (or whole tables) of a case that may differ on resume. The number of ranks is no part of a case."""
 
 
@@ -186,9 +186,30 @@ def require_same_case(stored: str, wanted: str) -> None:
     changes = changed_keys(stored, wanted)
     if changes:
         raise CheckpointError(
-            "only travel, output, wear constants and the number of ranks may change on resume, but: "
+            "only travel, output, [after], wear constants and the number of ranks may change on resume, but: "
             + "; ".join(changes)
         )
+
+
+def require_still_cutting(stored: str, wanted: str, time: float) -> None:
+    """Raise :class:`CheckpointError` if travel or what comes after it changes for a tool that has withdrawn.
+
+    Parameters
+    ----------
+    stored, wanted
+        Resolved cases (TOML text) of the checkpoint and of the run.
+    time
+        Of the checkpoint (s).
+    """
+    before, now = tomllib.loads(stored), tomllib.loads(wanted)
+    if "after" not in before:
+        return
+    cutting = before["cutting"]
+    if time <= cutting["travel"] / cutting["speed"] * (1.0 + 1e-9):
+        return
+    changed = cutting["travel"] != now["cutting"]["travel"] or before["after"] != now.get("after")
+    if changed:
+        raise CheckpointError("the tool has withdrawn: neither travel nor [after] may change any more")
 
 
 def _free(key: str) -> bool:

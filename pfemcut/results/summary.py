@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.metadata
+import json
 import math
 import platform
 from collections.abc import Mapping, Sequence
@@ -161,6 +162,13 @@ def write_summary(path: Path, summary: Summary) -> None:
     write_json(path, summary.to_json())
 
 
+def update_summary(path: Path, figures: Mapping[str, Mapping[str, float | str]]) -> None:
+    """Put ``figures`` into an existing ``summary.json``, first those that were not there."""
+    content = json.loads(path.read_text(encoding="utf-8"))
+    if any(content.get(name) != figure for name, figure in figures.items()):
+        write_json(path, {**figures, **content, **figures})
+
+
 def figure_mean(summary: Mapping[str, Any], name: str) -> float:
     """Window mean, or last value, of a figure in the content of ``summary.json``; nan without one."""
     figure = summary.get(name, {})
@@ -218,7 +226,7 @@ def _warnings(
     if touching.size:
         found.append(
             f"the body touches itself from travel {columns['travel'][touching[0]]:.3f} mm on, "
-            f"with up to {force[touching].max():.3g} N/mm (contact without heat conduction)"
+            f"with up to {force[touching].max():.3g} N/mm"
         )
     limits = {
         "energy_error": LARGEST_ENERGY_ERROR,
