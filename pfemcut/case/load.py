@@ -165,7 +165,6 @@ def replaced(table: Mapping[str, Any], keys: Sequence[str], value: Any, origin: 
     CaseError
         If the path leads through something that is not a table.
     """
-
     if len(keys) > _DEEPEST:
         raise CaseError([f"{origin}, but no key lies {len(keys)} tables deep"])
 
