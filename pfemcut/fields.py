@@ -136,7 +136,7 @@ class Fields:
             grid.cell_data[name] = np.array(values)
         return grid
 
-    def plot(self, name: str = "temperature", axes: Axes | None = None, *, margin: float = 2.5) -> Axes:
+    def plot(self, name: str = "temperature", axes: Axes | None = None, *, margin: float = 1.0) -> Axes:
         """Draw a scalar field with the tool by matplotlib; the axes are returned.
 
         Parameters

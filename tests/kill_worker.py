@@ -3,7 +3,7 @@
     python kill_worker.py FOLDER EVENT FIRST STRIDE
 
 Counts the calls of open, write, flush, fsync, rename, remove and mkdir that concern files of a run, and at FIRST,
-FIRST + STRIDE and so on, each in a process and a folder of its own, lets EVENT happen: ``kill`` (SIGKILL before the
+FIRST + STRIDE and so on, and in one checkpoint at each, in a process of its own, lets EVENT happen: ``kill`` (before the
 call; half of the bytes of a write are written first), or ``full`` and ``readonly`` (the call and all later ones fail).
 Then the newest checkpoint must be no older than the last that was completed, the run must resume and leave what
 an undisturbed one leaves. Prints what is wrong, one line each, and at the end the number of calls tried.
@@ -30,9 +30,12 @@ from pfemcut.output import recorder
 from pfemcut.results.checkpoint import NAME, PREVIOUS, read_checkpoint, write_checkpoint
 
 DIRECTORY, CALL, EVENT = Path("/nowhere"), 0, ""
+CHECKPOINT_CALLS = slice(10, 18)
+"""Of the calls that concern checkpoints, those that are always tried: the third one's among them."""
 ERRORS = {"full": errno.ENOSPC, "readonly": errno.EROFS}
 
 calls = 0
+of_checkpoints: list[int] = []
 
 
 def reached(path: object) -> bool:
@@ -41,6 +44,8 @@ def reached(path: object) -> bool:
     if not str(path).startswith(str(DIRECTORY)):
         return False
     calls += 1
+    if Path(str(path)).name.startswith("checkpoint"):
+        of_checkpoints.append(calls)
     return calls == CALL or (EVENT in ERRORS and CALL and calls > CALL)
 
 
@@ -140,7 +145,7 @@ def child(folder: Path, event: str, number: int) -> tuple[int, str]:
         resume = has_checkpoint(DIRECTORY)
         controls = Controls(every=3, checkpoint_every=2)
         run(DIRECTORY, last=12, resume=resume, overwrite=DIRECTORY.exists() and not resume, controls=controls)
-        print(calls)
+        print(*of_checkpoints, calls)
         status = 0
     except UserError as error:
         print(error)
@@ -194,10 +199,10 @@ def main() -> None:
         int(sys.argv[4]),
     )
     (folder / "whole").mkdir()
-    count = int(child(folder / "whole", "none", 0)[1].splitlines()[-1])
+    *checkpoints, count = map(int, child(folder / "whole", "none", 0)[1].splitlines()[-1].split())
     whole = results(folder / "whole/run")
     tried = 0
-    for number in range(first, count + 1, stride):
+    for number in sorted({*range(first, count + 1, stride), *checkpoints[CHECKPOINT_CALLS]}):
         made = folder / str(number)
         made.mkdir()
         wrong = wrong_after(made, event, number, whole)
