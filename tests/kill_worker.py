@@ -3,8 +3,8 @@
     python kill_worker.py FOLDER EVENT FIRST STRIDE
 
 Counts the calls of open, write, flush, fsync, rename, remove and mkdir that concern files of a run, and at FIRST,
-FIRST + STRIDE and so on, and in one checkpoint at each, in a process of its own, lets EVENT happen: ``kill`` (before the
-call; half of the bytes of a write are written first), or ``full`` and ``readonly`` (the call and all later ones fail).
+FIRST + STRIDE and so on, and in one checkpoint at each, in a process of its own, lets EVENT happen: ``kill`` (before
+the call; half of the bytes of a write are written first), or ``full`` and ``readonly`` (it and all later ones fail).
 Then the newest checkpoint must be no older than the last that was completed, the run must resume and leave what
 an undisturbed one leaves. Prints what is wrong, one line each, and at the end the number of calls tried.
 """
