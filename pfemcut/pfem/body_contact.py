@@ -166,14 +166,14 @@ def interface_contact(
     # All candidates of a point move nearly alike.
     master = interface.arcs.nodes[points.candidates[:, points.candidates.shape[1] // 2], 1]
     apart = np.einsum("kb,kbi->ki", points.shares, velocity[points.particles]) - velocity[master]
-    last_slip_speed = np.hypot(*apart.T)
+    known_slip_speed = np.hypot(*apart.T)
 
     def friction(pressure: Array, slip_speed: Array, touching: IntArray) -> tuple[Array, Array, Array]:
         slave, share = points.particles[touching], points.shares[touching]
         state = Interface(
             pressure,
             slip_speed,
-            last_slip_speed[touching],
+            known_slip_speed[touching],
             np.sum(share * temperature[slave], axis=1),
             np.sum(share * flow_stress[slave], axis=1),
         )

@@ -60,7 +60,7 @@ class PfemMethod:
         blocks = _heat_blocks(problem)
         fields = joined_fields(
             [
-                _initial_fields(body, part, first)
+                _initial_fields(problem, body, part, first)
                 for body, part in zip(
                     problem.bodies,
                     separated(mesh, [alone.first_part for alone in problem.alone]),
@@ -306,10 +306,13 @@ def _body_mesh(body: Body, sizes: SizeField) -> Mesh:
     )
 
 
-def _initial_fields(body: Body, mesh: Mesh, first_step: float) -> Fields:
+def _initial_fields(problem: Problem, body: Body, mesh: Mesh, first_step: float) -> Fields:
     strain = float(body.material.thermal_strain(np.asarray(body.temperature)))
     vx, vy = body.velocity
-    return initial_fields(mesh, body.temperature, strain, (vx * first_step, vy * first_step))
+    speed = sum(
+        float(np.hypot(vx - tool.velocity[0], vy - tool.velocity[1])) for tool in problem.rigid_tools[:1]
+    )
+    return initial_fields(mesh, body.temperature, strain, (vx * first_step, vy * first_step), speed)
 
 
 def _nearest_particles(mesh: Mesh, probes: tuple[Probe, ...]) -> NDArray[np.int64]:

@@ -21,6 +21,7 @@ from pfemcut.pfem.mechanics import Motion, PlasticUpdate, solve_motion, update_p
 from pfemcut.pfem.newton import StepFailed
 from pfemcut.pfem.particle_step import first_iterate, particle_step
 from pfemcut.pfem.state import Clock, Fields, State
+from pfemcut.pfem.step_contact import known_sliding_speed
 from pfemcut.pfem.step_record import StepRecord, recorded_step, remeshing_amounts
 from pfemcut.pfem.step_size import next_step
 from pfemcut.pfem.thermal import solve_heat
@@ -130,6 +131,7 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
             pressure=motion.pressure,
             displacement=fields.displacement + motion.displacement,
             last_displacement=motion.displacement,
+            sliding_speed=known_sliding_speed(problem, fields.sliding_speed, motion.displacement, step),
             b_elastic=plastic.b_elastic,
             volume_ratio=motion.volume_ratio,
             eqps=plastic.eqps,
