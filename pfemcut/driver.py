@@ -19,6 +19,7 @@ import numpy as np
 
 from pfemcut.inputs import UserError, read_toml
 from pfemcut.method import CutEnded, Frame, Measures, Method, RunStopped
+from pfemcut.moment import Callback, Callbacks, Moment, nothing
 from pfemcut.output.directory import (
     HISTORY,
     INPUTS,
@@ -60,6 +61,18 @@ class RunInterrupted(RunStopped):
     """A run stopped by a signal; it can be resumed."""
 
 
+class _CallbackStopped(Exception):
+    """A callback asked to stop."""
+
+
+class _CallbackFailed(Exception):
+    """A callback raised ``error``; the state is that of a finished step and worth keeping."""
+
+    def __init__(self, error: Exception) -> None:
+        self.error = error
+        super().__init__(f"a callback raised {type(error).__name__}: {error}")
+
+
 class OutputControls(Protocol):
     """How often what is written (steps); ``case.output`` is one."""
 
@@ -96,6 +109,7 @@ def run_case(
     base_directory: Path = Path(),
     resume: bool = False,
     overwrite: bool = False,
+    callbacks: Callbacks = Callbacks(),  # noqa: B008 (frozen)
 ) -> Summary:
     """Run a case with the PFEM and return its summary; see :func:`run_problem`."""
     from pfemcut.case.load import resolved_toml
@@ -109,7 +123,14 @@ def run_case(
     )
     inputs = resolved_toml(case, material)
     return run_problem(
-        problem, factory, Path(directory), case.output, inputs=inputs, resume=resume, overwrite=overwrite
+        problem,
+        factory,
+        Path(directory),
+        case.output,
+        inputs=inputs,
+        resume=resume,
+        overwrite=overwrite,
+        callbacks=callbacks,
     )
 
 
@@ -156,6 +177,7 @@ def run_problem(
     inputs: str,
     resume: bool = False,
     overwrite: bool = False,
+    callbacks: Callbacks = Callbacks(),  # noqa: B008 (frozen)
     communicator: Any = None,
 ) -> Summary:
     """Run a method to its end; under MPI called by all ranks, of which the first writes.
@@ -176,6 +198,8 @@ def run_problem(
         Go on from the checkpoint in ``directory``.
     overwrite
         Let a fresh run remove the results of an earlier one in ``directory``.
+    callbacks
+        Called before and after each step. One that stops the run, or raises, leaves what a signal leaves.
     communicator
         An mpi4py communicator; the world if None.
 
@@ -209,7 +233,7 @@ def run_problem(
             require_still_cutting(checkpoint.resolved_case, inputs, method.measure().time)
         else:
             method = factory.start()
-        run = _Run(problem, method, directory, controls, ranks, warnings)
+        run = _Run(problem, method, directory, controls, ranks, warnings, callbacks)
         with run.recording(inputs, last_step):
             return run.to_end(fresh=not resume)
 
@@ -256,7 +280,9 @@ class _Run:
         controls: OutputControls,
         ranks: Ranks,
         warnings: Sequence[str],
+        callbacks: Callbacks,
     ) -> None:
+        self._callbacks = callbacks
         self._problem = problem
         self._method = method
         self._directory = directory
@@ -288,19 +314,41 @@ class _Run:
             end = self._problem.time.end
             with SignalNotes() as signals, progress_display(end, visible=self._ranks.first) as progress:
                 while not method.finished:
+                    self._call(self._callbacks.before_step)
                     begun = time.perf_counter()
                     measures = self._advance()
                     self._record(measures, begun)
                     progress.show(measures)
+                    self._call(self._callbacks.after_step)
                     self._obey(measures, self._ranks.largest(signals.noted))
         except CutEnded as ended:
             return self._finish(finished=True, ending=str(ended), warnings=(str(ended),))
         except RanksDiffer:
             raise  # no state that is worth keeping
+        except _CallbackFailed as failed:
+            self._finish(finished=False, ending=str(failed), warnings=(str(failed),))
+            raise failed.error from None
+        except _CallbackStopped as stopped:
+            return self._finish(finished=False, ending=str(stopped), warnings=(str(stopped),))
         except RunStopped as stopped:
             self._finish(finished=False, ending=str(stopped), warnings=(str(stopped),))
             raise
         return self._finish(finished=True, ending="reached its final time")
+
+    def _call(self, callback: Callback) -> None:
+        """Call a callback of the user; its wish to stop is followed, and its error told, on all ranks."""
+        if callback is nothing:
+            return
+        moment, errors = Moment(self._method), []
+        try:
+            callback(moment)
+        except Exception as error:
+            errors.append(error)
+        self._ranks.require_same(errors, "in a callback")
+        for failure in errors:
+            raise _CallbackFailed(failure)
+        if self._ranks.largest(int(bool(moment.stop_reason))) and not self._method.finished:
+            raise _CallbackStopped(f"stopped by a callback: {moment.stop_reason or 'on another rank'}")
 
     def _obey(self, measures: Measures, number: int) -> None:
         """Do what was asked for during a step, by the signal of that number or by requests in the directory."""

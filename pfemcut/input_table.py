@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, get_args
 
-from pydantic import BaseModel, ConfigDict, model_validator
+from pydantic import ConfigDict, model_validator
 from pydantic.fields import FieldInfo
 
-from pfemcut.inputs import NoQuantity, models_in
+from pfemcut.inputs import InputModel, NoQuantity, models_in
 from pfemcut.units import Kind, UnitError, declared, in_base_unit
 
 
-class InputTable(BaseModel):
+class InputTable(InputModel):
     """A table that is immutable, with no unknown keys, no guessing of types, finite numbers, and values with units.
 
     A key that holds numbers declares its unit in brackets in its description. A key of an inner table that declares

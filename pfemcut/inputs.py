@@ -6,9 +6,12 @@ import difflib
 import tomllib
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any, Self, get_args
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, ValidationError, model_validator
+
+LONGEST_LINE = 600
+"""Characters of a line of an error; what users typed may be a megabyte."""
 
 
 class UserError(Exception):
@@ -19,11 +22,38 @@ class InputError(UserError):
     """Bad user input; ``problems`` holds one line each and the message is all of them."""
 
     def __init__(self, problems: Iterable[str]) -> None:
-        self.problems = tuple(problems)
+        self.problems = tuple(_line(problem) for problem in problems)
         super().__init__(self.problems)
 
     def __str__(self) -> str:
         return "\n".join(self.problems)
+
+
+SMALLEST, LARGEST = 1e-30, 1e30
+"""Magnitudes of numbers in input that are not zero: beyond them products of a few overflow or vanish."""
+
+
+class InputModel(BaseModel):
+    """Base of tables that users write: numbers have magnitudes that can be computed with."""
+
+    @model_validator(mode="after")
+    def _can_be_computed_with(self) -> Self:
+        wrong = [
+            f"{key}: given {_shown(value)}, must be zero or have a magnitude from {SMALLEST:g} to {LARGEST:g}"
+            for key, given in self
+            for value in (given if isinstance(given, tuple) else (given,))
+            if isinstance(value, int | float) and value != 0 and not SMALLEST <= abs(value) <= LARGEST
+        ]
+        if wrong:
+            raise ValueError("\n".join(wrong))
+        return self
+
+
+def _line(problem: str) -> str:
+    """``problem`` as one line of bearable length, without characters that would steer a terminal."""
+    if len(problem) > LONGEST_LINE:
+        problem = f"{problem[: LONGEST_LINE // 2]} ... {problem[-LONGEST_LINE // 3 :]}"
+    return "".join(letter if letter.isprintable() else repr(letter)[1:-1] for letter in problem)
 
 
 def nearest(name: str, candidates: Iterable[str]) -> str:
@@ -36,6 +66,14 @@ def nearest(name: str, candidates: Iterable[str]) -> str:
     return "; allowed: " + ", ".join(f"'{candidate}'" for candidate in known)
 
 
+def is_file(path: Path) -> bool:
+    """Whether ``path`` is a file; false too for names that can't be a file's."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
+
+
 def read_toml(path: Path) -> dict[str, Any]:
     """Parse a TOML file.
 
@@ -45,9 +83,11 @@ def read_toml(path: Path) -> dict[str, Any]:
         If the file is missing, is a directory, is unreadable, is not UTF-8 or has a syntax error (named with
         its line).
     """
-    if path.is_dir():
-        raise InputError([f"{path}: is a directory, not a TOML file"])
     try:
+        if path.is_dir():
+            raise InputError([f"{path}: is a directory, not a TOML file"])
+        if path.is_char_device() or path.is_block_device():
+            raise InputError([f"{path}: not a file"])
         text = path.read_bytes().decode("utf-8")
     except FileNotFoundError:
         raise InputError([f"{path}: no such file"]) from None
@@ -55,11 +95,18 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise InputError([f"{path}: not UTF-8 text (byte {error.start})"]) from None
     except OSError as error:
         raise InputError([f"{path}: can't be read: {error.strerror}"]) from None
+    except ValueError as error:  # a name with a zero byte
+        raise InputError([f"{path}: can't be read: {error}"]) from None
     try:
         # An editor's byte order mark is not part of the document.
         return tomllib.loads(text.removeprefix("\ufeff"))
     except tomllib.TOMLDecodeError as error:
         raise InputError([f"{path}: TOML syntax error: {error}"]) from None
+    except RecursionError:
+        raise InputError([f"{path}: tables or lists are nested too deeply"]) from None
+    except ValueError:
+        # Not a decoding error to tomllib: Python refuses to read integers of thousands of digits, and days like 32.
+        raise InputError([f"{path}: a number or date that can't be read"]) from None
 
 
 class NoQuantity(str):
@@ -194,5 +241,8 @@ def _label(section: str, path: Sequence[int | str]) -> str:
 
 
 def _shown(value: Any) -> str:
-    text = repr(value)
+    try:
+        text = repr(value)
+    except (ValueError, RecursionError):
+        return "something too long or too deeply nested to show"
     return text if len(text) <= 60 else text[:57] + "..."

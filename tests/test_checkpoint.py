@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from pfemcut.results.checkpoint import (
+    HEADER,
     NAME,
     PREVIOUS,
     CheckpointError,
@@ -48,6 +49,33 @@ def test_state_comes_back_bit_for_bit(tmp_path: Path) -> None:
         assert (back.dtype, back.shape, back.tobytes()) == (array.dtype, array.shape, array.tobytes())
 
 
+def test_a_checkpoint_is_an_hdf5_file_behind_its_checksum(tmp_path: Path) -> None:
+    write_checkpoint(tmp_path / NAME, STATE, CASE, 12)
+    assert (tmp_path / NAME).read_bytes().startswith(b"pfemcut checkpoint\nsha256 ")
+    with h5py.File(tmp_path / NAME) as file:
+        assert file.userblock_size == HEADER
+
+
+def test_hdf5_never_sees_a_damaged_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # Some single flipped bits crash it, and with it the process.
+    write_checkpoint(tmp_path / NAME, STATE, CASE, 12)
+    flip_a_bit_of_the_image(tmp_path / NAME)
+    monkeypatch.setattr(h5py, "File", lambda *_: pytest.fail("HDF5 was asked"))
+    with pytest.raises(CheckpointError, match="damaged"):
+        read_file(tmp_path / NAME)
+
+
+def test_checkpoints_of_earlier_versions_without_a_header_are_read(tmp_path: Path) -> None:
+    write_checkpoint(tmp_path / NAME, STATE, CASE, 12)
+    with h5py.File(tmp_path / NAME) as new, h5py.File(tmp_path / "old.h5", "w") as old:
+        old.attrs.update(new.attrs)
+        for name in new:
+            new.copy(name, old)
+    found = read_file(tmp_path / "old.h5")
+    assert found.step == 12
+    assert found.state["points"].tobytes() == STATE["points"].tobytes()
+
+
 def test_the_last_two_are_kept_and_nothing_else(tmp_path: Path) -> None:
     for step in (1, 2, 3):
         write_checkpoint(tmp_path / NAME, STATE, CASE, step)
@@ -79,7 +107,27 @@ def make_empty(path: Path) -> None:
     path.write_bytes(b"")
 
 
-DAMAGES = [cut_short, flip_a_bit_of_a_field, make_foreign, make_newer, make_empty]
+def flip_a_bit_of_the_image(path: Path) -> None:
+    image = bytearray(path.read_bytes())
+    image[HEADER + 100] ^= 4
+    path.write_bytes(image)
+
+
+def flip_a_bit_of_the_header(path: Path) -> None:
+    image = bytearray(path.read_bytes())
+    image[30] ^= 4
+    path.write_bytes(image)
+
+
+DAMAGES = [
+    cut_short,
+    flip_a_bit_of_a_field,
+    flip_a_bit_of_the_image,
+    flip_a_bit_of_the_header,
+    make_foreign,
+    make_newer,
+    make_empty,
+]
 
 
 @pytest.mark.parametrize("damage", DAMAGES)

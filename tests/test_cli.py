@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from meshing.sizes import Box, SizeField, SizeZone
-from pfemcut.case.check import particle_estimate
+from pfemcut.case.particle_count import particle_estimate
 from pfemcut.cli.main import status
 from pfemcut.inputs import InputError
 from pfemcut.materials.load import library_names

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
-import numpy as np
-
-from meshing.sizes import SizeField
 from pfemcut.case.cutting import cutting_problem
-from pfemcut.case.general import general_problem
 from pfemcut.case.general_schema import GeneralCase
 from pfemcut.case.load import AnyCase, initial_temperature
+from pfemcut.case.particle_count import body_counts
+from pfemcut.case.plausible import implausible
 from pfemcut.case.sections import Contact
+from pfemcut.case.translate import problem_of
 from pfemcut.materials.material import Material
 from pfemcut.results.derived.tool_heating import tool_warnings
 from pfemcut.units import both
@@ -23,7 +21,7 @@ def figures(case: AnyCase, material: Material, base_directory: Path) -> list[tup
     if isinstance(case, GeneralCase):
         return _general_figures(case, material, base_directory)
     cutting, tool, mesh = case.cutting, case.tool, case.mesh
-    problem = cutting_problem(case, material)
+    problem = problem_of(case, material, base_directory)
     length, height = case.workpiece.length, case.workpiece.height
     advance = cutting.speed * case.time.step
     return [
@@ -64,7 +62,7 @@ def figures(case: AnyCase, material: Material, base_directory: Path) -> list[tup
         ),
         (
             "particles",
-            f"about {particle_estimate(problem.particles.sizes, length, height):.0f} at first contact",
+            f"about {body_counts(problem)[problem.body.name]:.0f} at first contact",
         ),
         ("output", case.output.directory),
     ]
@@ -79,7 +77,7 @@ def _friction(contact: Contact) -> str:
 
 
 def _general_figures(case: GeneralCase, material: Material, base_directory: Path) -> list[tuple[str, str]]:
-    problem = general_problem(case, material, base_directory)
+    problem = problem_of(case, material, base_directory)
     return [
         ("title", problem.title),
         ("material", f"{material.name}, initially at {both(problem.body.temperature, 'K', 6)}"),
@@ -95,10 +93,10 @@ def _general_figures(case: GeneralCase, material: Material, base_directory: Path
     ]
 
 
-def warnings(case: AnyCase, material: Material) -> list[str]:
-    """Choices that are allowed but make a cut inaccurate or meaningless; one line each."""
+def warnings(case: AnyCase, material: Material, base_directory: Path = Path()) -> list[str]:
+    """Choices that are allowed but make a run inaccurate, meaningless or endless; one line each."""
     if isinstance(case, GeneralCase):
-        return []
+        return implausible(problem_of(case, material, base_directory))
     cutting, tool, mesh, work = case.cutting, case.tool, case.mesh, case.workpiece
     advance = cutting.speed * case.time.step
     checks = [
@@ -107,6 +105,11 @@ def warnings(case: AnyCase, material: Material) -> list[str]:
             advance > mesh.tip_size / 4.0,
             f"[time] step moves the tool by {advance:.3g} mm, more than a quarter of [mesh] tip_size; "
             f"advised: at most {mesh.tip_size / 4.0 / cutting.speed:.3g} s",
+        ),
+        (
+            case.time.largest_step is not None and cutting.speed * case.time.largest_step > mesh.tip_size,
+            "[time] largest_step moves the tool by more than [mesh] tip_size; "
+            f"advised: at most {mesh.tip_size / cutting.speed:.3g} s",
         ),
         (
             mesh.shear_zone_size > cutting.depth / 4.0,
@@ -121,7 +124,11 @@ def warnings(case: AnyCase, material: Material) -> list[str]:
             f"[mesh] far_size = {mesh.far_size:g} mm is more than half of the workpiece's height",
         ),
         (
-            cutting.depth < tool.tip_radius,
+            cutting.depth < tool.tip_radius / 5.0,
+            f"[cutting] depth = {cutting.depth:g} mm is below a fifth of the tip radius: no chip is to be expected",
+        ),
+        (
+            tool.tip_radius / 5.0 <= cutting.depth < tool.tip_radius,
             f"[cutting] depth = {cutting.depth:g} mm is below the tip radius: the tool ploughs more than it cuts",
         ),
         (
@@ -140,7 +147,9 @@ def warnings(case: AnyCase, material: Material) -> list[str]:
     if tool.body is not None:
         checks.append(_tip_resolution("tool.body", tool.body.tip_size, tool.tip_radius))
     lasts = cutting.travel / cutting.speed
-    return [text for unwise, text in checks if unwise] + tool_warnings(cutting_problem(case, material), lasts)
+    problem = cutting_problem(case, material)
+    unwise = [text for is_unwise, text in checks if is_unwise]
+    return unwise + implausible(problem) + tool_warnings(problem, lasts)
 
 
 def _tip_resolution(section: str, tip_size: float, tip_radius: float) -> tuple[bool, str]:
@@ -150,38 +159,3 @@ def _tip_resolution(section: str, tip_size: float, tip_radius: float) -> tuple[b
         f"[{section}] tip_size = {tip_size:g} mm resolves the tip radius of {tip_radius:g} mm poorly; "
         f"advised: at most a third, {tip_radius / 3.0:.3g}",
     )
-
-
-def particle_estimate(sizes: SizeField, length: float, height: float) -> float:
-    """About how many particles of spacing ``sizes`` fill the block [0, length] x [0, height] (mm).
-
-    A particle of an equilateral triangulation owns an area of sqrt(3)/2 h²; the boundary adds half a particle
-    per spacing. The integrals are taken over squares that are quartered until they are no wider than h.
-    """
-    side = sizes.far_size
-    columns, rows = math.ceil(length / side), math.ceil(height / side)
-    widths = np.array([length / columns, height / rows])
-    x, y = np.meshgrid(np.arange(columns) + 0.5, np.arange(rows) + 0.5)
-    centres = np.column_stack([x.ravel(), y.ravel()]) * widths
-    quarters = np.array([[-0.25, -0.25], [0.25, -0.25], [-0.25, 0.25], [0.25, 0.25]])
-
-    inside = 0.0
-    while len(centres):
-        spacing = sizes(centres)
-        fine = spacing >= widths.max()
-        inside += float(np.sum(widths.prod() / (math.sqrt(0.75) * spacing[fine] ** 2)))
-        centres = (centres[~fine, None, :] + quarters * widths).reshape(-1, 2)
-        widths = widths / 2.0
-
-    outline = 0.0
-    for start, end in (
-        ((0.0, 0.0), (length, 0.0)),
-        ((length, 0.0), (length, height)),
-        ((length, height), (0.0, height)),
-        ((0.0, height), (0.0, 0.0)),
-    ):
-        a, b = np.array(start), np.array(end)
-        parts = 4000
-        middle = a + ((np.arange(parts) + 0.5) / parts)[:, None] * (b - a)
-        outline += float(np.sum(np.hypot(*(b - a)) / parts / sizes(middle)))
-    return inside + outline / 2.0

@@ -18,6 +18,7 @@ from pfemcut.materials.material import Material
 from pfemcut.wear.load import wear_table
 
 AnyCase = Case | GeneralCase
+_DEEPEST = 20  # tables in tables; no key of a case lies so deep
 
 
 class CaseError(InputError):
@@ -164,6 +165,8 @@ def replaced(table: Mapping[str, Any], keys: Sequence[str], value: Any, origin: 
     CaseError
         If the path leads through something that is not a table.
     """
+    if len(keys) > _DEEPEST:
+        raise CaseError([f"{origin}, but no key lies {len(keys)} tables deep"])
 
     def inner(inside: Any, depth: int) -> Any:
         if depth == len(keys):
@@ -194,7 +197,7 @@ def toml_value(text: str) -> Any:
     """``text`` read as a TOML value, or itself if it is none."""
     try:
         document = tomllib.loads(f"value = {text}")
-    except tomllib.TOMLDecodeError:
+    except (ValueError, RecursionError):  # a TOMLDecodeError is a ValueError
         return text
     # Anything beyond one value (a line break smuggled in) is no value.
     return document["value"] if list(document) == ["value"] else text

@@ -143,7 +143,7 @@ def check(case_file: CaseFile, overrides: Overrides = []) -> None:  # noqa: B006
     case, material = load_case(case_file, overrides)
     for name, text in figures(case, material, case_file.parent):
         say(f"{name:<11} {text}")
-    for text in warnings(case, material):
+    for text in warnings(case, material, case_file.parent):
         say(f"warning: {text}")
 
 

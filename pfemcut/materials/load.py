@@ -19,7 +19,7 @@ from pydantic import (
 )
 
 from pfemcut.input_table import InputTable
-from pfemcut.inputs import InputError, explained, nearest, read_toml
+from pfemcut.inputs import InputError, explained, is_file, nearest, read_toml
 from pfemcut.materials.hardening import LAWS, HardeningTable
 from pfemcut.materials.material import Material, Property
 
@@ -111,7 +111,8 @@ class MaterialTable(InputTable):
         if not isinstance(table, Mapping) or not isinstance(table.get("hardening"), Mapping):
             return table
         hardening = dict(table["hardening"])
-        law = LAWS.get(hardening.get("law", ""))
+        name = hardening.get("law", "")
+        law = LAWS.get(name) if isinstance(name, str) else None
         if law is not None and "reference_temperature" in law.model_fields:
             default = cls.model_fields["reference_temperature"].default
             hardening.setdefault("reference_temperature", table.get("reference_temperature", default))
@@ -239,7 +240,7 @@ def _named(name: str, base_directory: Path, section: str) -> tuple[dict[str, Any
         with resources.as_file(text) as path:
             return read_toml(path), f"material '{name}'"
     path = base_directory / name
-    if name.endswith(".toml") or path.is_file():
+    if name.endswith(".toml") or is_file(path):
         return read_toml(path), str(path)
     hint = nearest(name, library_names())
     raise InputError([f"{_spoken(section)}unknown material '{name}'{hint} (or a path to a .toml file)"])

@@ -70,11 +70,12 @@ def prepare_directory(directory: Path, *, resume: bool, overwrite: bool) -> None
     OutputError
         If the directory holds results and neither ``resume`` nor ``overwrite`` is set, or can't be written.
     """
-    if directory.exists() and not directory.is_dir():
-        raise OutputError(f"{directory}: is a file, not a directory")
-    if resume and not directory.is_dir():
-        raise OutputError(f"{directory}: there is no run to resume")
-    found = [name for name in OURS if (directory / name).exists()]
+    with writing(directory):
+        if directory.exists() and not directory.is_dir():
+            raise OutputError(f"{directory}: is a file, not a directory")
+        if resume and not directory.is_dir():
+            raise OutputError(f"{directory}: there is no run to resume")
+        found = [name for name in OURS if (directory / name).exists()]
     if found and not resume and not overwrite:
         raise OutputError(
             f"{directory}: holds the results of another run ({', '.join(found[:3])} ...); "
@@ -95,6 +96,10 @@ def writing(directory: Path) -> Iterator[None]:
     """Turn the errors of a full disk or a read-only directory into one clear line."""
     try:
         yield
+    except ValueError as error:
+        if "null byte" not in str(error):
+            raise
+        raise OutputError(f"{str(directory)!r}: can't be written: its name has a zero byte") from error
     except OSError as error:
         raise OutputError(
             f"{error.filename or directory}: can't be written: {error.strerror or error}"

@@ -27,6 +27,10 @@ VERSION = 3
 NAME = "checkpoint.h5"
 PREVIOUS = "checkpoint.previous.h5"
 
+HEADER = 512
+"""Bytes before the HDF5 part (its user block), which hold the checksum of that part."""
+_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+
 FREE_TO_CHANGE = ("cutting.travel", "after", "output", "tool.wear")
 """Keys (or whole tables) of a case that may differ on resume. The number of ranks is no part of a case."""
 
@@ -122,6 +126,7 @@ def read_checkpoint(directory: Path) -> Checkpoint:
 
 def read_file(path: Path) -> Checkpoint:
     """Read one checkpoint file and check that it is whole."""
+    _require_whole(path)
     try:
         with h5py.File(path, "r") as file:
             if file.attrs.get("format") != FORMAT:
@@ -133,12 +138,30 @@ def read_file(path: Path) -> Checkpoint:
             digest = str(file.attrs["digest"])
             case = file["case"].asstr()[()]
             arrays = {name: np.asarray(dataset[()]) for name, dataset in _datasets(file["state"])}
-    except (OSError, KeyError, ValueError, RuntimeError, AttributeError, TypeError) as error:
+    except (OSError, KeyError, ValueError, RuntimeError, AttributeError, TypeError, MemoryError) as error:
         # h5py answers damage with any of these, and with messages about its own internals.
         raise CheckpointError(f"{path}: damaged, or not an HDF5 file") from error
     if digest != _digest(arrays, case, step):
         raise CheckpointError(f"{path}: damaged (its checksum doesn't match)")
     return Checkpoint(path, step, case, arrays)
+
+
+def _require_whole(path: Path) -> None:
+    """Raise :class:`CheckpointError` for a damaged file before HDF5 sees it: that can crash the process.
+
+    Files of earlier versions, which begin with HDF5's signature, have no such checksum and pass.
+    """
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise CheckpointError(f"{path}: can't be read: {error.strerror}") from error
+    if not data.startswith(_SIGNATURE) and data[:HEADER] != _header(data[HEADER:]):
+        raise CheckpointError(f"{path}: damaged, or not a {FORMAT}")
+
+
+def _header(image: bytes) -> bytes:
+    """What stands before the HDF5 part ``image`` of a checkpoint."""
+    return f"{FORMAT}\nsha256 {hashlib.sha256(image).hexdigest()}\n".encode().ljust(HEADER, b"\0")
 
 
 def changed_keys(stored: str, wanted: str) -> tuple[str, ...]:
@@ -232,7 +255,7 @@ def _image(arrays: State, resolved_case: str, step: int) -> bytes:
     HDF5 builds it in memory because it crashes the process when a disk fills under an open file.
     """
     image = io.BytesIO()
-    with h5py.File(image, "w") as file:
+    with h5py.File(image, "w", userblock_size=HEADER) as file:
         file.attrs["format"] = FORMAT
         file.attrs["version"] = VERSION
         file.attrs["step"] = step
@@ -241,7 +264,8 @@ def _image(arrays: State, resolved_case: str, step: int) -> bytes:
         group = file.create_group("state")
         for name, array in arrays.items():
             group.create_dataset(name, data=array)
-    return image.getvalue()
+    content = image.getvalue()[HEADER:]
+    return _header(content) + content
 
 
 def _sync(path: Path) -> None:

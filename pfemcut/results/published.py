@@ -18,12 +18,12 @@ from enum import Enum
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import ConfigDict, Field, ValidationError
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from pfemcut.inputs import InputError, explained, nearest, read_toml
+from pfemcut.inputs import InputError, InputModel, explained, nearest, read_toml
 from pfemcut.results.definitions import FIGURES
 from pfemcut.results.derived.free_surface import FREE_SURFACE_TEMPERATURE
 from pfemcut.results.summary import Summary
@@ -47,7 +47,7 @@ ALWAYS_SHOWN = (
 _LOG_WIDTH = 120
 
 
-class PublishedFigure(BaseModel):
+class PublishedFigure(InputModel):
     """One published figure."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)

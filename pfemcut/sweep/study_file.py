@@ -13,7 +13,7 @@ from pfemcut.case.load import toml_value
 from pfemcut.case.sections import Section
 from pfemcut.inputs import InputError, explained, nearest, read_toml
 from pfemcut.results.definitions import FIGURES
-from pfemcut.sweep.plan import Lists, Plan, Values, variants_of
+from pfemcut.sweep.plan import LONGEST_NAME, Lists, Plan, Values, variants_of
 
 MAIN_FIGURES = (
     "cutting_force",
@@ -122,7 +122,8 @@ def _plan_of(path: Path, table: Mapping[str, Any]) -> Plan:
         name = entry.get(NAME, "")
         if not isinstance(name, str) or (NAME in entry and not _is_file_name(name)):
             problems.append(
-                f"[variant[{index}]] name: given {name!r}, must be letters, digits and any of . + - = _"
+                f"[variant[{index}]] name: given {name!r}, must be letters, digits and any of . + - = _, "
+                f"at most {LONGEST_NAME} bytes"
             )
         listed.append((str(name), flat({key: value for key, value in entry.items() if key != NAME})))
         if not listed[-1][1]:
@@ -190,4 +191,5 @@ def _split(options: Sequence[str], option: str, shape: str = "value,value,...") 
 
 
 def _is_file_name(name: str) -> bool:
-    return all(letter.isalnum() or letter in ".+-=_" for letter in name) and name.strip(".") != ""
+    known = all(letter.isalnum() or letter in ".+-=_" for letter in name)
+    return known and name.strip(".") != "" and len(name.encode()) <= LONGEST_NAME

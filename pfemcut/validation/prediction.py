@@ -20,7 +20,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from pfemcut.converge.order import grid_convergence_index
-from pfemcut.inputs import InputError, explained, read_toml
+from pfemcut.inputs import InputError, InputModel, explained, read_toml
 from pfemcut.validation.study import Outcome
 
 ORDER = 1.0
@@ -35,7 +35,7 @@ LABELS = {
 """The compared figures."""
 
 
-class Value(BaseModel):
+class Value(InputModel):
     """A measured value with its scatter (half-width)."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)

@@ -7,15 +7,15 @@ from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, Strict, ValidationError
+from pydantic import ConfigDict, Field, Strict, ValidationError
 
-from pfemcut.inputs import InputError, explained, nearest, read_toml
+from pfemcut.inputs import InputError, InputModel, explained, is_file, nearest, read_toml
 from pfemcut.wear.usui import Constants, UsuiWear
 
 SECTION = "tool.wear"
 
 
-class _Table(BaseModel):
+class _Table(InputModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
     A: float = Field(gt=0, description="Usui's factor A (1/MPa)")
@@ -98,7 +98,7 @@ def _named(name: str, base_directory: Path) -> tuple[dict[str, Any], str]:
         with resources.as_file(resources.files("pfemcut.wear") / "library" / f"{name}.toml") as path:
             return read_toml(path), f"wear constants '{name}'"
     path = base_directory / name
-    if name.endswith(".toml") or path.is_file():
+    if name.endswith(".toml") or is_file(path):
         return read_toml(path), str(path)
     hint = nearest(name, wear_names())
     raise InputError([f"[tool] wear: unknown pair '{name}'{hint} (or a path to a .toml file)"])
