@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from pfemcut.inputs import UserError, read_toml
+from pfemcut.inputs import InputError, UserError, read_toml
 from pfemcut.method import CutEnded, Frame, Measures, Method, RunStopped
 from pfemcut.moment import Callback, Callbacks, Moment, nothing
 from pfemcut.output.directory import (
@@ -157,15 +157,23 @@ def report_case(directory: Path, *, animation: bool = True, scales: Scales | Non
     from pfemcut.case.translate import problem_of
     from pfemcut.output.report import write_report
 
-    problem = problem_of(*validated(read_toml(directory / INPUTS), directory), directory)
-    if (directory / SUMMARY).exists():
+    ended = (directory / SUMMARY).exists()
+    try:
+        problem = problem_of(*validated(read_toml(directory / INPUTS), directory), directory)
+    except InputError:
+        if not ended:
+            raise
+        # A case of another version: the page shows what is there.
+        write_report(directory, animation=animation, scales=scales)
+        return
+    if ended:
         update_summary(directory / SUMMARY, surface_figures(directory, problem))
+        write_report(directory, animation=animation, scales=scales)
     else:
+        # Not written: the run goes on, and who reads a summary takes it for ended.
         ending = "had not ended when this was written"
         summary = summary_of(directory, problem, finished=False, ending=ending, warnings=(ending,))
-        with writing(directory):
-            write_summary(directory / SUMMARY, summary)
-    write_report(directory, animation=animation, scales=scales)
+        write_report(directory, animation=animation, scales=scales, summary=summary.to_json())
 
 
 def run_problem(
@@ -246,6 +254,7 @@ def summary_of(
     none = {name: np.zeros(0) for name in CORE_COLUMNS}
     cut, tool = problem.cut, problem.tool
     columns = (read_table(history) or none) if history.exists() else none
+    last = float(columns["time"][-1]) if columns["time"].size else 0.0
     figures: dict[str, dict[str, float | str]] = {}
     for found in cut_profiles(directory):
         write_table(directory, found.profiles)
@@ -258,14 +267,15 @@ def summary_of(
         ending=ending,
         depth=cut[0].depth if cut else math.nan,
         rake=tool[0].shape.rake if tool else math.nan,
-        warnings=(*warnings, *(tool_warnings(problem, columns["time"][-1]) if columns["time"].size else ())),
+        # Unloading and cooling are no part of the cut.
+        warnings=(*warnings, *(tool_warnings(problem, min(last, problem.time.end)) if last > 0.0 else ())),
         profile_figures=figures,
     )
     figures = surface_figures(directory, problem)
     return replace(
         summary,
         figures={**summary.figures, **figures},
-        warnings=(*summary.warnings, *surface_warnings(problem, figures)),
+        warnings=(*summary.warnings, *surface_warnings(problem, figures, last)),
     )
 
 

@@ -122,6 +122,14 @@ def test_nothing_of_it_may_change_once_the_tool_has_withdrawn(wanted: str) -> No
         require_still_cutting(RELAXED, wanted, 5.1e-4)
 
 
+@pytest.mark.parametrize("stored", [RELAXED, STORED])
+def test_the_tool_cannot_withdraw_from_before_where_it_is(stored: str) -> None:
+    shorter = RELAXED.replace("0.5", "0.3")
+    require_still_cutting(stored, shorter, 3e-4)
+    with pytest.raises(CheckpointError, match="has cut 0.31 mm, more than travel = 0.3"):
+        require_still_cutting(stored, shorter, 3.1e-4)
+
+
 def test_only_a_free_end_lets_the_tool_out() -> None:
     case = Path(__file__).parent.parent / "demos" / "aisi4340_exit" / "case.toml"
     found, material = load_case(case)

@@ -51,7 +51,7 @@ class Bounds(Section):
 
     low: float = Field(description="Lower bound")
     high: float = Field(description="Upper bound")
-    start: float = Field(default=math.nan, description="Where the search begins")
+    start: float | None = Field(default=None, description="Where the search begins")
 
 
 def read_parameters(given: Sequence[str]) -> tuple[Parameter, ...]:
@@ -144,7 +144,8 @@ def _from_file(path: Path) -> list[Parameter]:
                 except ValidationError as error:
                     problems.extend(f"{path}: {line}" for line in explained(error, Bounds, name))
                 else:
-                    found.append(Parameter(_full(name), bounds.low, bounds.high, bounds.start))
+                    start = math.nan if bounds.start is None else bounds.start
+                    found.append(Parameter(_full(name), bounds.low, bounds.high, start))
 
     visit(read_toml(path), "")
     if not found and not problems:

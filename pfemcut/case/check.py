@@ -143,6 +143,11 @@ def warnings(case: AnyCase, material: Material, base_directory: Path = Path()) -
             cutting.travel < 0.3,
             f"[cutting] travel = {cutting.travel:g} mm is too short for steady means (0.1 mm behind the first 0.2)",
         ),
+        (
+            cutting.chip_length is not None and cutting.chip_length < 5.0 * cutting.depth,
+            f"[cutting] chip_length = {cutting.chip_length} mm may cut the chip off where it touches the tool; "
+            f"advised: at least five depths, {5.0 * cutting.depth:g}",
+        ),
     ]
     if tool.body is not None:
         checks.append(_tip_resolution("tool.body", tool.body.tip_size, tool.tip_radius))

@@ -115,7 +115,7 @@ def _behaviour(before: float, change: float, scatter: float) -> Behaviour:
     """From the changes between the levels and the scatter of the last one."""
     if before == 0.0 and change == 0.0:
         return Behaviour.UNCHANGED
-    if abs(change) < scatter:
+    if abs(change) <= scatter:
         return Behaviour.SCATTER
     falls = abs(change) < abs(before)
     if before * change > 0.0:

@@ -111,7 +111,7 @@ def scaled_steps(case: AnyCase, factor: float) -> Values:
     found = {"time.step": _rounded(factor * time.step)}
     if time.largest_step is not None:
         found["time.largest_step"] = _rounded(factor * time.largest_step)
-        found["time.step_tolerance"] = min(_rounded(factor * time.step_tolerance), 1.0)
+        found["time.step_tolerance"] = _rounded(factor * time.step_tolerance)
     return found
 
 

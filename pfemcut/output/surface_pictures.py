@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import matplotlib
 
@@ -18,7 +18,7 @@ from matplotlib.tri import Triangulation  # noqa: E402
 from numpy.typing import NDArray  # noqa: E402
 
 from pfemcut.method import Frame  # noqa: E402
-from pfemcut.output.directory import FIGURES, RESIDUAL, SUMMARY  # noqa: E402
+from pfemcut.output.directory import FIGURES, RESIDUAL  # noqa: E402
 from pfemcut.output.figures import nodal_average  # noqa: E402
 from pfemcut.output.vtu import read_last_frame  # noqa: E402
 from pfemcut.results.derived.burr import FACE, Burr, exit_burr  # noqa: E402
@@ -33,12 +33,11 @@ SHOWN = 1.3
 """Depth shown, over the depth beyond which neither stress nor strain is more than a tenth of its largest value."""
 
 
-def write_surface_pictures(directory: Path) -> list[Path]:
-    """Draw ``figures/residual.png`` and ``burr.png`` of an output directory that has them; the paths written."""
+def write_surface_pictures(directory: Path, summary: Mapping[str, Any]) -> list[Path]:
+    """Draw ``figures/residual.png`` and ``burr.png`` of an output directory whose ``summary`` has them; the paths."""
     drawn: dict[str, Figure] = {}
     if (directory / RESIDUAL).exists():
         drawn["residual"] = draw_residual(read_table(directory / RESIDUAL))
-    summary = json.loads((directory / SUMMARY).read_text(encoding="utf-8"))
     if "residual_window_begin" in summary:
         ends = [float(summary[f"residual_window_{name}"]["value"]) for name in ("begin", "end")]
         drawn["residual_field"] = draw_field(read_last_frame(directory), *ends)

@@ -291,8 +291,6 @@ def to_arrays(state: State) -> dict[str, NDArray[np.generic]]:
 
 def from_arrays(arrays: Mapping[str, NDArray[np.generic]]) -> State:
     """The state that :func:`to_arrays` flattened."""
-    # A checkpoint of before friction had a memory holds none.
-    arrays = {"fields/sliding_speed": np.zeros(len(arrays["fields/temperature"])), **arrays}
 
     def group(kind: type, name: str, scalar: bool) -> Any:
         values = {each.name: arrays[f"{name}/{each.name}"] for each in dataclasses.fields(kind)}

@@ -192,7 +192,9 @@ def require_same_case(stored: str, wanted: str) -> None:
 
 
 def require_still_cutting(stored: str, wanted: str, time: float) -> None:
-    """Raise :class:`CheckpointError` if travel or what comes after it changes for a tool that has withdrawn.
+    """Raise :class:`CheckpointError` if a tool that has withdrawn would cut on, or one that cuts has come too far.
+
+    What a tool has cut beyond a shorter travel can't be undone before it withdraws.
 
     Parameters
     ----------
@@ -202,14 +204,20 @@ def require_still_cutting(stored: str, wanted: str, time: float) -> None:
         Of the checkpoint (s).
     """
     before, now = tomllib.loads(stored), tomllib.loads(wanted)
-    if "after" not in before:
-        return
-    cutting = before["cutting"]
-    if time <= cutting["travel"] / cutting["speed"] * (1.0 + 1e-9):
-        return
-    changed = cutting["travel"] != now["cutting"]["travel"] or before["after"] != now.get("after")
-    if changed:
-        raise CheckpointError("the tool has withdrawn: neither travel nor [after] may change any more")
+    if "after" in before and _beyond(before, time):
+        if before["cutting"]["travel"] != now["cutting"]["travel"] or before["after"] != now.get("after"):
+            raise CheckpointError("the tool has withdrawn: neither travel nor [after] may change any more")
+    elif "after" in now and _beyond(now, time):
+        cutting = now["cutting"]
+        raise CheckpointError(
+            f"the tool has cut {time * cutting['speed']:.6g} mm, more than travel = {cutting['travel']:g} mm: with [after] "
+            "it can't be less"
+        )
+
+
+def _beyond(case: Mapping[str, Any], time: float) -> bool:
+    """Whether ``time`` (s) is after the end of the cut."""
+    return bool(time > case["cutting"]["travel"] / case["cutting"]["speed"] * (1.0 + 1e-9))
 
 
 def _free(key: str) -> bool:

@@ -146,11 +146,13 @@ def load_measured(path: Path) -> Measured:
 
 def cuts_of(figures: Sequence[MeasuredFigure]) -> list[tuple[Mapping[str, Any], tuple[MeasuredFigure, ...]]]:
     """The figures of each cut with what it changes, in the order of the file."""
-    found: dict[tuple[tuple[str, str], ...], list[MeasuredFigure]] = {}
+    found: dict[tuple[tuple[str, Any], ...], list[MeasuredFigure]] = {}
     for figure in figures:
-        found.setdefault(tuple((key, repr(value)) for key, value in figure.changes.items()), []).append(
-            figure
+        # 5000 and 5000.0 are one value.
+        values = (
+            (key, each if type(each) in (int, float) else repr(each)) for key, each in figure.changes.items()
         )
+        found.setdefault(tuple(values), []).append(figure)
     return [(members[0].changes, tuple(members)) for members in found.values()]
 
 

@@ -93,7 +93,11 @@ class _Handler(BaseHTTPRequestHandler):
 
     def do_GET(self) -> None:  # noqa: N802 (the library's name)
         """Answer with the page, the state, the history, a picture or the report."""
-        parts = urlsplit(self.path)
+        try:
+            parts = urlsplit(self.path)
+        except ValueError:
+            self._send(HTTPStatus.BAD_REQUEST, b"no such address", PLAIN)
+            return
         query = {name: values[-1] for name, values in parse_qs(parts.query).items()}
         given = (
             query.get("key", "") if parts.path in ("/", "/report.html") else self.headers.get(KEY_HEADER, "")
@@ -118,9 +122,9 @@ class _Handler(BaseHTTPRequestHandler):
     def do_POST(self) -> None:  # noqa: N802
         """Take a request to the run."""
         wishes = {"/checkpoint": Request.CHECKPOINT, "/stop": Request.STOP}
-        path = urlsplit(self.path).path
-        origin = self.headers.get("Origin", "")
-        if origin and urlsplit(origin).netloc != self.headers.get("Host", ""):
+        path = self.path.partition("?")[0]
+        origin, host = self.headers.get("Origin", ""), self.headers.get("Host", "")
+        if origin and origin not in (f"http://{host}", f"https://{host}"):
             self._send(HTTPStatus.FORBIDDEN, b"asked by another page", PLAIN)
         elif not self._has_key(self.headers.get(KEY_HEADER, "")):
             return

@@ -145,7 +145,9 @@ class RunReader:
             status=status,
             words=words,
             share=min(present / self._end, 1.0) if self._end > 0.0 else math.nan,
-            to_go=max(self._end - present, 0.0) * pace if status is Status.RUNNING else math.nan,
+            to_go=(self._end - present) * pace
+            if status is Status.RUNNING and present < self._end
+            else math.nan,
             latest=latest,
             travel_end=self._travel_end,
             frame=self._frame(),
@@ -161,7 +163,8 @@ class RunReader:
         if not begun:
             return Status.STARTING, "starting; no step is done yet"
         # The timing has a row a step, the history perhaps not.
-        age = min(self._age(TIMING), self._age(HISTORY))
+        ages = [age for age in (self._age(TIMING), self._age(HISTORY)) if not math.isnan(age)]
+        age = min(ages, default=math.nan)
         recent = timing.get("total", np.zeros(0))[-RECENT:]
         if age > max(PATIENCE, 10.0 * float(recent.max(initial=0.0))):
             return Status.SILENT, f"no step for {age:.0f} s: killed, stopped, or in a very long step"

@@ -55,16 +55,18 @@ class TableTail:
         # A half-written last line is read next time.
         new = new[: new.rfind(b"\n") + 1]
         lines = new.splitlines(keepends=True)
-        if lines and not self._header:
-            self._header = tuple(lines[0].decode("ascii", "replace").strip().split(","))
+        header = self._header
+        if lines and not header:
+            header = tuple(lines[0].decode("ascii", "replace").strip().split(","))
             lines = lines[1:]
-        places = [self._header.index(name) for name in self._names]
+        places = [header.index(name) for name in self._wanted if name in header]
         try:
-            for line in lines:
-                cells = line.split(b",")
-                self._rows.append([float(cells[at]) for at in places])
+            rows = [[float(cells[at]) for at in places] for cells in (line.split(b",") for line in lines)]
         except (ValueError, IndexError) as error:
             raise HistoryError(f"{self._path}: damaged ({error})") from error
+        # All or nothing: what was damaged is read again next time.
+        self._header = header
+        self._rows += rows
         self._read += len(new)
         self._last = lines[-1] if lines else self._last
 

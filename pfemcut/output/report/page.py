@@ -60,7 +60,13 @@ class Embedded:
     moving: bool
 
 
-def write_report(directory: Path, *, animation: bool = True, scales: Scales | None = None) -> Path:
+def write_report(
+    directory: Path,
+    *,
+    animation: bool = True,
+    scales: Scales | None = None,
+    summary: Mapping[str, Any] | None = None,
+) -> Path:
     """Draw the figures of a run again and write its report; return the report's path.
 
     Parameters
@@ -71,6 +77,8 @@ def write_report(directory: Path, *, animation: bool = True, scales: Scales | No
         Whether to draw the animation of the chip too.
     scales
         Colour scales of fields that replace their own.
+    summary
+        Content of the summary of a run that has not written one.
 
     Raises
     ------
@@ -78,13 +86,13 @@ def write_report(directory: Path, *, animation: bool = True, scales: Scales | No
         If the directory holds no run's results or they are damaged.
     """
     directory = Path(directory)
-    summary = _summary(directory)
+    summary = _summary(directory) if summary is None else summary
     inputs = _text(directory / INPUTS)
     try:
         given = tomllib.loads(inputs)
         history, frame = read_table(directory / HISTORY), read_last_frame(directory, until=_cut_end(given))
         if history and history["step"].size:
-            _draw(directory, given, history, frame, animation=animation, scales=scales or {})
+            _draw(directory, summary, given, history, frame, animation=animation, scales=scales or {})
         page = _page(directory, summary, inputs, given, history)
     except (HistoryError, FieldsError, tomllib.TOMLDecodeError, OSError) as error:
         raise OutputError(f"{directory}: {error}") from error
@@ -95,6 +103,7 @@ def write_report(directory: Path, *, animation: bool = True, scales: Scales | No
 
 def _draw(
     directory: Path,
+    summary: Mapping[str, Any],
     given: Mapping[str, Any],
     history: Mapping[str, Array],
     frame: Frame,
@@ -107,7 +116,7 @@ def _draw(
     write_figures(figures, frame, history, _window(history), depth, scales)
     write_history_figures(figures, history)
     write_profile_figure(directory)
-    write_surface_pictures(directory)
+    write_surface_pictures(directory, summary)
     # One of an earlier state would stay.
     (figures / ANIMATION).unlink(missing_ok=True)
     if animation and not math.isnan(depth):
