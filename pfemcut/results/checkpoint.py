@@ -210,8 +210,8 @@ def require_still_cutting(stored: str, wanted: str, time: float) -> None:
     elif "after" in now and _beyond(now, time):
         cutting = now["cutting"]
         raise CheckpointError(
-            f"the tool has cut {time * cutting['speed']:.6g} mm, more than travel = {cutting['travel']:g} mm: with [after] "
-            "it can't be less"
+            f"the tool has cut {time * cutting['speed']:.6g} mm, more than travel = {cutting['travel']:g} mm: "
+            "with [after] it can't be less"
         )
 
 
