@@ -30,6 +30,7 @@ from pfemcut.output.directory import (
 )
 from pfemcut.output.progress import progress_display
 from pfemcut.output.recorder import Recorder
+from pfemcut.particles.problem import ParticleProblem
 from pfemcut.problem import Cut, Problem
 from pfemcut.ranks import Ranks, RanksDiffer, SignalNotes
 from pfemcut.results.checkpoint import Checkpoint, State, read_checkpoint, require_same_case
@@ -41,6 +42,10 @@ from pfemcut.results.summary import Summary, summarise, write_summary
 if TYPE_CHECKING:
     from pfemcut.case.load import AnyCase
     from pfemcut.materials.material import Material
+
+
+AnyProblem = Problem | ParticleProblem
+"""What the driver runs; it uses title, tool, cut and final time."""
 
 
 class RunInterrupted(RunStopped):
@@ -84,19 +89,22 @@ def run_case(
     resume: bool = False,
     overwrite: bool = False,
 ) -> Summary:
-    """Run a case with the PFEM and return its summary; see :func:`run_problem`."""
+    """Run a case with its method and return its summary; see :func:`run_problem`."""
     from pfemcut.case.load import resolved_toml
     from pfemcut.case.translate import problem_of
-    from pfemcut.pfem.method import PfemMethod
+    from pfemcut.methods import factory_of
 
     # Files that the case names need to be on the first rank's machine only.
     problem = Ranks().on_first(lambda: problem_of(case, material, base_directory))
-    factory = MethodFactory(
-        start=lambda: PfemMethod.start(problem), restore=lambda state: PfemMethod.restore(problem, state)
-    )
     inputs = resolved_toml(case, material)
     return run_problem(
-        problem, factory, Path(directory), case.output, inputs=inputs, resume=resume, overwrite=overwrite
+        problem,
+        factory_of(problem),
+        Path(directory),
+        case.output,
+        inputs=inputs,
+        resume=resume,
+        overwrite=overwrite,
     )
 
 
@@ -124,7 +132,7 @@ def report_case(directory: Path) -> None:
 
 
 def run_problem(
-    problem: Problem,
+    problem: AnyProblem,
     factory: MethodFactory,
     directory: Path,
     controls: OutputControls,
@@ -187,13 +195,15 @@ def run_problem(
 
 
 def summary_of(
-    directory: Path, problem: Problem, *, finished: bool, ending: str, warnings: Sequence[str]
+    directory: Path, problem: AnyProblem, *, finished: bool, ending: str, warnings: Sequence[str]
 ) -> Summary:
     """Build the summary of the tables in ``directory``."""
     history, timing = directory / HISTORY, directory / TIMING
     none = {name: np.zeros(0) for name in CORE_COLUMNS}
     cut, tool = problem.cut, problem.tool
     columns = (read_table(history) or none) if history.exists() else none
+    if columns["time"].size and isinstance(problem, Problem):
+        warnings = (*warnings, *tool_warnings(problem, columns["time"][-1]))
     return summarise(
         columns,
         read_table(timing) if timing.exists() else {},
@@ -202,7 +212,7 @@ def summary_of(
         ending=ending,
         depth=cut[0].depth if cut else math.nan,
         rake=tool[0].shape.rake if tool else math.nan,
-        warnings=(*warnings, *(tool_warnings(problem, columns["time"][-1]) if columns["time"].size else ())),
+        warnings=warnings,
     )
 
 
@@ -211,7 +221,7 @@ class _Run:
 
     def __init__(
         self,
-        problem: Problem,
+        problem: AnyProblem,
         method: Method,
         directory: Path,
         controls: OutputControls,

@@ -12,6 +12,9 @@ from pfemcut.case.cutting import cutting_problem
 from pfemcut.case.general import general_problem
 from pfemcut.case.general_schema import GeneralCase
 from pfemcut.case.load import AnyCase, initial_temperature
+from pfemcut.case.particles import SolidsCase
+from pfemcut.case.particles_check import cut_figures, solids_figures, unused_sections
+from pfemcut.case.schema import Case
 from pfemcut.case.sections import Contact
 from pfemcut.materials.material import Material
 from pfemcut.results.derived.tool_heating import tool_warnings
@@ -21,6 +24,10 @@ def figures(case: AnyCase, material: Material, base_directory: Path) -> list[tup
     """Main figures of the case, as name and text with unit; its files lie in ``base_directory``."""
     if isinstance(case, GeneralCase):
         return _general_figures(case, material, base_directory)
+    if isinstance(case, SolidsCase):
+        return solids_figures(case, material, base_directory)
+    if case.method != "pfem":
+        return cut_figures(case, material)
     cutting, tool, mesh = case.cutting, case.tool, case.mesh
     problem = cutting_problem(case, material)
     length, height = case.workpiece.length, case.workpiece.height
@@ -96,8 +103,10 @@ def _general_figures(case: GeneralCase, material: Material, base_directory: Path
 
 def warnings(case: AnyCase, material: Material) -> list[str]:
     """Choices that are allowed but make a cut inaccurate or meaningless; one line each."""
-    if isinstance(case, GeneralCase):
+    if not isinstance(case, Case):
         return []
+    if case.method != "pfem":
+        return unused_sections(case)
     cutting, tool, mesh, work = case.cutting, case.tool, case.mesh, case.workpiece
     advance = cutting.speed * case.time.step
     checks = [

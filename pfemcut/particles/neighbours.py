@@ -40,9 +40,10 @@ class Neighbours:
         return np.repeat(np.arange(len(self.offsets) - 1), np.diff(self.offsets))
 
 
-def neighbours_within(points: Array, radius: float) -> Neighbours:
-    """All pairs of ``points`` (n, d) not farther apart than ``radius`` (mm)."""
+def neighbours_within(points: Array, radius: float, group: IntArray) -> Neighbours:
+    """All pairs of ``points`` (n, d) of one ``group`` (n,) that are not farther apart than ``radius`` (mm)."""
     pairs = cKDTree(points).query_pairs(radius, output_type="ndarray").astype(np.int64)
+    pairs = pairs[group[pairs[:, 0]] == group[pairs[:, 1]]]
     return neighbours_of(pairs, len(points))
 
 

@@ -11,6 +11,10 @@ from pfemcut.particles.kernel import SUPPORT, slopes, weights
 from pfemcut.particles.neighbours import Neighbours, neighbours_within
 
 Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+SMALLEST_MOMENT = 1e-3
+"""Determinant of K below which gradients are not corrected; it is one inside of a body."""
 
 
 @dataclass(frozen=True)
@@ -45,17 +49,24 @@ class Reference:
     correction: Array
 
 
-def reference_of(points: Array, volume: Array, smoothing_length: float, corrected: bool) -> Reference:
-    """The reference configuration at ``points`` (n, d) with ``volume`` (n,) and the smoothing length (mm)."""
+def reference_of(
+    points: Array, volume: Array, body: IntArray, smoothing_length: float, corrected: bool
+) -> Reference:
+    """The reference configuration at ``points`` (n, d) with ``volume`` and number of the ``body`` (n,).
+
+    Particles of different bodies are no neighbours. ``smoothing_length`` in mm.
+    """
     dimension = points.shape[1]
-    neighbours = neighbours_within(points, SUPPORT * smoothing_length)
+    neighbours = neighbours_within(points, SUPPORT * smoothing_length, body)
     apart = points[neighbours.indices] - points[neighbours.owners]
     distance = np.sqrt(np.einsum("ka,ka->k", apart, apart))
     weight = -slopes(distance, smoothing_length, dimension) / distance
     correction = np.broadcast_to(np.eye(dimension), (len(points), dimension, dimension)).copy()
     if corrected:
         moment = moments(neighbours, apart, weight, volume)
-        correction = np.linalg.inv(moment)
+        # Particles on their own, or in a row, have no gradient in some direction to correct.
+        enough = np.linalg.det(moment) > SMALLEST_MOMENT
+        correction[enough] = np.linalg.inv(moment[enough])
     return Reference(
         points, volume, neighbours, weight, weights(distance, smoothing_length, dimension), correction
     )

@@ -184,7 +184,7 @@ def damping_force(
     mass: Array,
     density: Array,
     constants: tuple[float, float, float, float, float],
-) -> Array:
+) -> tuple[Array, Array]:
     """Forces of Monaghan's artificial viscosity and of the control of zero-energy modes.
 
     Both act along the line that joins two particles now, so they conserve momentum and angular momentum. Viscosity
@@ -207,34 +207,44 @@ def damping_force(
 
     Returns
     -------
-    Forces; shape (n, d).
+    Forces of the viscosity and of the control; shape (n, d) each.
     """
     rows = reference.neighbours
-    return np.asarray(
-        _damping(
-            rows.offsets,
-            rows.indices,
-            reference.gradient_weight,
-            reference.kernel,
-            reference.points,
-            reference.volume,
-            positions,
-            velocities,
-            gradient,
-            mass,
-            density,
-            constants,
-        )
+    viscous, control = _damping(
+        rows.offsets,
+        rows.indices,
+        reference.gradient_weight,
+        reference.kernel,
+        reference.points,
+        reference.volume,
+        positions,
+        velocities,
+        gradient,
+        mass,
+        density,
+        constants,
     )
+    return viscous, control
 
 
 @njit(parallel=True, cache=True)
 def _damping(  # type: ignore[no-untyped-def]
-    offsets, indices, weight, kernel, points, volume, positions, velocities, gradient, mass, density, constants
+    offsets,
+    indices,
+    weight,
+    kernel,
+    points,
+    volume,
+    positions,
+    velocities,
+    gradient,
+    mass,
+    density,
+    constants,
 ):
     smoothing, alpha, beta, sound, modulus = constants
     count, dimension = positions.shape
-    force = np.zeros((count, dimension))
+    viscous, control = np.zeros((count, dimension)), np.zeros((count, dimension))
     for i in prange(count):
         for k in range(offsets[i], offsets[i + 1]):
             j = indices[k]
@@ -245,11 +255,11 @@ def _damping(  # type: ignore[no-untyped-def]
                 square += x * x
                 reference_square += far * far
                 closing += x * (velocities[j, a] - velocities[i, a])
-            push = 0.0
+            push, pull = 0.0, 0.0
             if closing < 0.0:
                 mu = smoothing * closing / (square + 0.01 * smoothing * smoothing)
                 viscosity = (-alpha * sound + beta * mu) * mu / (0.5 * (density[i] + density[j]))
-                push += mass[i] * mass[j] * viscosity * weight[k] * np.sqrt(reference_square)
+                push = mass[i] * mass[j] * viscosity * weight[k] * np.sqrt(reference_square)
             length = np.sqrt(square)
             if modulus > 0.0:
                 # (F_i + F_j)/2 (X_j - X_i) along the line now, minus the length now.
@@ -260,7 +270,8 @@ def _damping(  # type: ignore[no-untyped-def]
                         image += 0.5 * (gradient[i, a, b] + gradient[j, a, b]) * (points[j, b] - points[i, b])
                     seen += image * (positions[j, a] - positions[i, a])
                 hidden = length - seen / length
-                push -= modulus * volume[i] * volume[j] * kernel[k] * hidden / reference_square
+                pull = modulus * volume[i] * volume[j] * kernel[k] * hidden / reference_square
             for a in range(dimension):
-                force[i, a] -= push * (positions[j, a] - positions[i, a]) / length
-    return force
+                viscous[i, a] -= push * (positions[j, a] - positions[i, a]) / length
+                control[i, a] += pull * (positions[j, a] - positions[i, a]) / length
+    return viscous, control

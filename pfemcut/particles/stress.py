@@ -5,7 +5,8 @@ Stress deviators have the components xx, yy, zz, xy, yz, xz; in the plane the la
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numba import njit, prange
@@ -37,6 +38,22 @@ class PointState:
     eqps: Array
     rate: Array
     temperature: Array
+
+    def heated(self, increase: Array) -> PointState:
+        """The state with the temperature increased (K; (n,))."""
+        return replace(self, temperature=self.temperature + increase)
+
+    def of(self, points: slice) -> PointState:
+        """The state of some of the particles."""
+        return PointState(
+            self.deviator[points], self.eqps[points], self.rate[points], self.temperature[points]
+        )
+
+
+def initial_points(temperature: Array) -> PointState:
+    """Particles without stress or plastic strain at a ``temperature`` (K; (n,))."""
+    count = len(temperature)
+    return PointState(np.zeros((count, 6)), np.zeros(count), np.zeros(count), temperature)
 
 
 @dataclass(frozen=True)
@@ -79,6 +96,47 @@ def updated(material: Material, state: PointState, velocity_gradient: Array, dt:
     )
 
 
+def updated_bodies(
+    materials: Sequence[Material],
+    ranges: Sequence[slice],
+    state: PointState,
+    velocity_gradient: Array,
+    dt: float,
+) -> Update:
+    """The same for several bodies, whose particles are ``ranges`` that follow each other."""
+    parts = [
+        updated(material, state.of(points), velocity_gradient[points], dt)
+        for material, points in zip(materials, ranges, strict=True)
+    ]
+    if len(parts) == 1:
+        return parts[0]
+    states = [part.state for part in parts]
+    return Update(
+        PointState(
+            np.concatenate([each.deviator for each in states]),
+            np.concatenate([each.eqps for each in states]),
+            np.concatenate([each.rate for each in states]),
+            np.concatenate([each.temperature for each in states]),
+        ),
+        np.concatenate([part.plastic_work for part in parts]),
+    )
+
+
+@njit(inline="always")
+def _turned(start, spin, dt, turning):  # type: ignore[no-untyped-def]
+    """``start`` + dt (W S - S W) with S = ``turning`` and W antisymmetric, of components xy, yz, xz."""
+    wxy, wyz, wxz = spin
+    sxx, syy, szz, sxy, syz, sxz = turning
+    return (
+        start[0] + dt * 2.0 * (wxy * sxy + wxz * sxz),
+        start[1] + dt * 2.0 * (wyz * syz - wxy * sxy),
+        start[2] - dt * 2.0 * (wxz * sxz + wyz * syz),
+        start[3] + dt * (wxy * (syy - sxx) + wxz * syz + wyz * sxz),
+        start[4] + dt * (-wxy * sxz + wyz * (szz - syy) - wxz * sxy),
+        start[5] + dt * (wxy * syz + wxz * (szz - sxx) - wyz * sxy),
+    )
+
+
 @njit(parallel=True, cache=True)
 def _jaumann_trial(deviator, velocity_gradient, dt, shear):  # type: ignore[no-untyped-def]
     """Trial deviators (n, 6) and their norms (n,)."""
@@ -94,24 +152,31 @@ def _jaumann_trial(deviator, velocity_gradient, dt, shear):  # type: ignore[no-u
         wxy, wyz, wxz = 0.5 * (lxy - lyx), 0.5 * (lyz - lzy), 0.5 * (lxz - lzx)
         sxx, syy, szz = deviator[i, 0], deviator[i, 1], deviator[i, 2]
         sxy, syz, sxz = deviator[i, 3], deviator[i, 4], deviator[i, 5]
-        # (W S - S W) with W antisymmetric.
-        rxx = 2.0 * (wxy * sxy + wxz * sxz)
-        ryy = 2.0 * (wyz * syz - wxy * sxy)
-        rzz = -2.0 * (wxz * sxz + wyz * syz)
-        rxy = wxy * (syy - sxx) + wxz * syz + wyz * sxz
-        ryz = -wxy * sxz + wyz * (szz - syy) - wxz * sxy
-        rxz = wxy * syz + wxz * (szz - sxx) - wyz * sxy
-        xx = sxx + dt * (2.0 * shear * (lxx - third) + rxx)
-        yy = syy + dt * (2.0 * shear * (lyy - third) + ryy)
-        zz = szz + dt * (2.0 * shear * (lzz - third) + rzz)
-        xy = sxy + dt * (shear * (lxy + lyx) + rxy)
-        yz = syz + dt * (shear * (lyz + lzy) + ryz)
-        xz = sxz + dt * (shear * (lxz + lzx) + rxz)
+        spin = (wxy, wyz, wxz)
+        # The turn of the middle of the step: with that of its start the norm would grow in every rotation.
+        middle = _turned((sxx, syy, szz, sxy, syz, sxz), spin, 0.5 * dt, (sxx, syy, szz, sxy, syz, sxz))
+        xx, yy, zz, xy, yz, xz = _turned((sxx, syy, szz, sxy, syz, sxz), spin, dt, middle)
+        xx += 2.0 * dt * shear * (lxx - third)
+        yy += 2.0 * dt * shear * (lyy - third)
+        zz += 2.0 * dt * shear * (lzz - third)
+        xy += dt * shear * (lxy + lyx)
+        yz += dt * shear * (lyz + lzy)
+        xz += dt * shear * (lxz + lzx)
         trial[i, 0], trial[i, 1], trial[i, 2] = xx, yy, zz
         trial[i, 3], trial[i, 4], trial[i, 5] = xy, yz, xz
         square = xx * xx + yy * yy + zz * zz + 2.0 * (xy * xy + yz * yz + xz * xz)
         norm[i] = max(np.sqrt(square), 1e-10)
     return trial, norm
+
+
+def von_mises(deviator: Array) -> Array:
+    """sqrt(3/2 S:S) (MPa; (n,)) of deviators (n, 6)."""
+    return np.sqrt(1.5 * square(deviator))
+
+
+def square(deviator: Array) -> Array:
+    """S:S (MPa²; (n,)) of deviators (n, 6)."""
+    return np.asarray(np.sum(deviator[:, :3] ** 2, axis=1) + 2.0 * np.sum(deviator[:, 3:] ** 2, axis=1))
 
 
 def cauchy_stress(deviator: Array, pressure: Array, dimension: int) -> Array:
@@ -121,6 +186,16 @@ def cauchy_stress(deviator: Array, pressure: Array, dimension: int) -> Array:
     return np.moveaxis(np.array([row[:dimension] for row in rows[:dimension]]), -1, 0)
 
 
-def linear_pressure(bulk_modulus: float, volume_ratio: Array) -> Array:
+def linear_pressure(bulk_modulus: Array, volume_ratio: Array) -> Array:
     """p = K (rho / rho_0 - 1) = K (1/J - 1) (MPa; (n,)): the linear equation of state (eq. 24)."""
     return bulk_modulus * (1.0 / volume_ratio - 1.0)
+
+
+def elastic_energy(bulk_modulus: Array, shear_modulus: Array, deviator: Array, volume_ratio: Array) -> Array:
+    """J S:S / (4 G) + K (J - 1 - ln J) by initial volume (MPa; (n,)).
+
+    The second term is what the linear equation of state stores, minus its integral of p dJ. The first is that of small
+    elastic strain; the rate of Jaumann has no exact one.
+    """
+    shape = volume_ratio * square(deviator) / (4.0 * shear_modulus)
+    return shape + bulk_modulus * (volume_ratio - 1.0 - np.log(volume_ratio))
