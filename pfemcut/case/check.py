@@ -13,7 +13,6 @@ from pfemcut.case.general import general_problem
 from pfemcut.case.general_schema import GeneralCase
 from pfemcut.case.load import AnyCase, initial_temperature
 from pfemcut.case.particles import SolidsCase
-from pfemcut.case.particles_check import cut_figures, solids_figures, unused_sections
 from pfemcut.case.schema import Case
 from pfemcut.case.sections import Contact
 from pfemcut.materials.material import Material
@@ -25,8 +24,13 @@ def figures(case: AnyCase, material: Material, base_directory: Path) -> list[tup
     if isinstance(case, GeneralCase):
         return _general_figures(case, material, base_directory)
     if isinstance(case, SolidsCase):
+        # Not before it's needed: numba takes a second to load.
+        from pfemcut.case.particles_check import solids_figures
+
         return solids_figures(case, material, base_directory)
     if case.method != "pfem":
+        from pfemcut.case.particles_check import cut_figures
+
         return cut_figures(case, material)
     cutting, tool, mesh = case.cutting, case.tool, case.mesh
     problem = cutting_problem(case, material)
@@ -106,6 +110,8 @@ def warnings(case: AnyCase, material: Material) -> list[str]:
     if not isinstance(case, Case):
         return []
     if case.method != "pfem":
+        from pfemcut.case.particles_check import unused_sections
+
         return unused_sections(case)
     cutting, tool, mesh, work = case.cutting, case.tool, case.mesh, case.workpiece
     advance = cutting.speed * case.time.step
