@@ -11,8 +11,8 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from pfemcut.case.sections import Output, Section, name_or_table, planned
 
-CuttingMethod = Annotated[Literal["pfem", "tlsph"], planned("esph", "sph", "lattice", "peridynamics")]
-ParticleMethodName = Annotated[Literal["tlsph"], planned("esph", "lattice", "peridynamics")]
+CuttingMethod = Annotated[Literal["pfem", "tlsph", "esph"], planned("sph", "lattice", "peridynamics")]
+ParticleMethodName = Annotated[Literal["tlsph", "esph"], planned("lattice", "peridynamics")]
 
 
 def components(value: Any) -> Any:

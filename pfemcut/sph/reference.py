@@ -61,15 +61,22 @@ def reference_of(
     apart = points[neighbours.indices] - points[neighbours.owners]
     distance = np.sqrt(np.einsum("ka,ka->k", apart, apart))
     weight = -slopes(distance, smoothing_length, dimension) / distance
-    correction = np.broadcast_to(np.eye(dimension), (len(points), dimension, dimension)).copy()
-    if corrected:
-        moment = moments(neighbours, apart, weight, volume)
-        # Particles on their own, or in a row, have no gradient in some direction to correct.
-        enough = np.linalg.det(moment) > SMALLEST_MOMENT
-        correction[enough] = np.linalg.inv(moment[enough])
+    correction = inverse_moments(moments(neighbours, apart, weight, volume), corrected)
     return Reference(
         points, volume, neighbours, weight, weights(distance, smoothing_length, dimension), correction
     )
+
+
+def inverse_moments(moments: Array, corrected: bool) -> Array:
+    """K⁻¹ (n, d, d) of the ``moments`` K, or the identity where it is not ``corrected`` or can't be.
+
+    Particles on their own, or in a row, have no gradient in some direction to correct.
+    """
+    found = np.broadcast_to(np.eye(moments.shape[1]), moments.shape).copy()
+    if corrected:
+        enough = np.linalg.det(moments) > SMALLEST_MOMENT
+        found[enough] = np.linalg.inv(moments[enough])
+    return found
 
 
 def moments(neighbours: Neighbours, apart: Array, weight: Array, volume: Array) -> Array:
