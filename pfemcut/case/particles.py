@@ -84,6 +84,11 @@ class SolidsParticles(ExplicitParticles):
     """Spacing, kernel, viscosity and time steps of explicit particles."""
 
     spacing: float = Field(gt=0, description="Distance of particles at the start (mm)")
+    pinball: Annotated[tuple[float, float], BeforeValidator(components)] = Field(
+        default=(0.0, 1.0),
+        description="Factors k1 and k2 of contact between bodies with tlsph (dimensionless); k1 = 0 leaves Hertz's law "
+        "alone",
+    )
 
 
 class Cylinder(Section):

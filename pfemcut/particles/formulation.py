@@ -21,7 +21,7 @@ class Evaluation(Generic[Memory]):
 
     Attributes
     ----------
-    internal, viscous, control
+    internal, viscous, control, between
         Forces (N, or N per mm of width); see :class:`pfemcut.particles.state.Loads`.
     material
         The new material state.
@@ -36,6 +36,7 @@ class Evaluation(Generic[Memory]):
     internal: Array
     viscous: Array
     control: Array
+    between: Array
     material: PointState
     volume_ratio: Array
     plastic_work: float

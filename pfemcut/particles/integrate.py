@@ -35,7 +35,7 @@ def initial_state(model: ForceModel[Memory]) -> State[Memory]:
     return State(
         positions=problem.points,
         velocities=problem.velocities,
-        loads=Loads(none, none, none, contact.forces),
+        loads=Loads(none, none, none, none, contact.forces),
         material=material_at_start(problem),
         volume_ratio=np.ones(count),
         memory=model.start(),
@@ -106,7 +106,7 @@ def advance(model: ForceModel[Memory], state: State[Memory]) -> State[Memory]:
         )
     found = model.evaluate(state.memory, state.material, positions, half, dt)
     contact = rigid_contact(problem, found.material, positions, half, clock.time + dt, dt)
-    loads = Loads(found.internal, found.viscous, found.control, contact.forces)
+    loads = Loads(found.internal, found.viscous, found.control, found.between, contact.forces)
     velocities = half + 0.5 * dt * free * loads.total / mass
 
     # With the mean force and the mean velocity, work is the change of kinetic energy to round-off.
@@ -117,10 +117,11 @@ def advance(model: ForceModel[Memory], state: State[Memory]) -> State[Memory]:
             (state.loads.internal, loads.internal),
             (state.loads.viscous, loads.viscous),
             (state.loads.control, loads.control),
+            (state.loads.between, loads.between),
             (state.loads.contact, loads.contact),
         )
     ]
-    hold = -(mean[0] + mean[1] + mean[2] + mean[3]) * problem.held
+    hold = -(mean[0] + mean[1] + mean[2] + mean[3] + mean[4]) * problem.held
     work = [dt * float(np.vdot(force, mean_velocity)) for force in (*mean, hold)]
     on_tool = 0.5 * (state.tool_force + contact.tool_force)
     drive = sum(float(np.dot(-on_tool, tool.velocity)) for tool in problem.tool)
@@ -138,13 +139,14 @@ def advance(model: ForceModel[Memory], state: State[Memory]) -> State[Memory]:
             internal=work[0],
             viscous=work[1],
             control=work[2],
-            contact=work[3],
-            hold=work[4],
+            between=work[3],
+            contact=work[4],
+            hold=work[5],
             tool=dt * drive,
             plastic=found.plastic_work,
             friction=friction,
         ),
-        impulse=state.impulse + dt * (mean[3] + hold).sum(axis=0),
+        impulse=state.impulse + dt * (mean[4] + hold).sum(axis=0),
         tool_impulse=state.tool_impulse + dt * on_tool,
         tool_force=contact.tool_force,
         contact_energy=contact.energy,

@@ -113,13 +113,15 @@ class ParticleMethod(Generic[Memory]):
         start = kinetic_energy(problem, problem.velocities)
         # Zero to round-off by the scheme; the ledger of measures is the one that tests.
         change = kinetic_energy(problem, state.velocities) - start
-        works = ledger.internal + ledger.viscous + ledger.control + ledger.contact + ledger.hold
+        works = ledger.internal + ledger.viscous + ledger.control + ledger.between
+        works += ledger.contact + ledger.hold
         return {
             "time_steps": state.clock.steps,
             "reference_updates": state.clock.updates,
             "internal_work": ledger.internal,
             "viscous_work": ledger.viscous,
             "zero_energy_work": ledger.control,
+            "pinball_work": ledger.between,
             "contact_work": ledger.contact,
             "hold_work": ledger.hold,
             "contact_energy": state.contact_energy,
@@ -164,7 +166,7 @@ class ParticleMethod(Generic[Memory]):
         ledger = self._state.ledger
         supply = energy_at_start(self._problem) + ledger.tool + ledger.hold
         sinks = kinetic + elastic + ledger.plastic + ledger.friction + self._state.contact_energy
-        sinks -= ledger.viscous + ledger.control
+        sinks -= ledger.viscous + ledger.control + ledger.between
         return (supply - sinks) / supply if supply else 0.0
 
     def _momentum_error(self) -> float:

@@ -118,6 +118,8 @@ class SmoothingControls:
         zero keeps it.
     artificial_pressure
         gamma (Eulerian).
+    pinball
+        Factors k1 and k2 of contact between bodies (total-Lagrangian).
     """
 
     spacing: float
@@ -128,6 +130,7 @@ class SmoothingControls:
     zero_energy: float
     reference_update: float
     artificial_pressure: float
+    pinball: tuple[float, float]
 
 
 @dataclass(frozen=True)

@@ -31,6 +31,8 @@ class Loads:
         Of artificial viscosity.
     control
         Of what suppresses zero-energy modes or clusters.
+    between
+        Of other bodies, where the formulation has contact between bodies.
     contact
         Of tool and walls.
     """
@@ -38,12 +40,13 @@ class Loads:
     internal: Array
     viscous: Array
     control: Array
+    between: Array
     contact: Array
 
     @property
     def total(self) -> Array:
         """Their sum."""
-        return self.internal + self.viscous + self.control + self.contact
+        return self.internal + self.viscous + self.control + self.between + self.contact
 
 
 @dataclass(frozen=True)
@@ -69,6 +72,7 @@ class Ledger:
     internal: float = 0.0
     viscous: float = 0.0
     control: float = 0.0
+    between: float = 0.0
     contact: float = 0.0
     hold: float = 0.0
     tool: float = 0.0

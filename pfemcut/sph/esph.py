@@ -103,6 +103,7 @@ class Eulerian:
             internal=internal,
             viscous=viscous,
             control=repulsive,
+            between=np.zeros_like(internal),
             material=update.state,
             volume_ratio=volume_ratio,
             plastic_work=float(update.plastic_work @ (problem.volume * volume_ratio)),

@@ -12,10 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pfemcut.method import RunStopped
+from pfemcut.particles.cells import NeighbourList
 from pfemcut.particles.formulation import Evaluation
 from pfemcut.particles.problem import ParticleProblem
 from pfemcut.particles.state import Arrays
 from pfemcut.particles.stress import PointState, cauchy_stress, linear_pressure, updated_bodies
+from pfemcut.sph.pinball import pinball_forces
 from pfemcut.sph.reference import Reference, reference_of
 from pfemcut.sph.total_lagrangian import damping_force, deformation_gradient, internal_force
 
@@ -47,6 +49,8 @@ class TotalLagrangian:
     def __init__(self, problem: ParticleProblem) -> None:
         self._problem = problem
         self._bulk = problem.by_body([body.material.bulk_modulus for body in problem.bodies])
+        self._shear = problem.by_body([body.material.shear_modulus for body in problem.bodies])
+        self._near = NeighbourList(problem.smoothing.spacing)
         self._materials = [body.material for body in problem.bodies]
 
     @property
@@ -110,10 +114,29 @@ class TotalLagrangian:
             internal=internal_force(reference, first_piola),
             viscous=viscous,
             control=control,
+            between=self._between(positions, velocities, dt),
             material=update.state,
             volume_ratio=volume_ratio,
             plastic_work=float(update.plastic_work @ (problem.volume * volume_ratio)),
             memory=Deformation(reference, memory.reference_ratio, gradient),
+        )
+
+    def _between(self, positions: Array, velocities: Array, dt: float) -> Array:
+        """Pinball contact between the bodies."""
+        problem = self._problem
+        if len(problem.bodies) == 1:
+            return np.zeros_like(positions)
+        self._near.follow(positions)
+        return pinball_forces(
+            self._near,
+            problem.body_number,
+            positions,
+            velocities,
+            problem.mass,
+            self._shear,
+            problem.smoothing.spacing,
+            problem.smoothing.pinball,
+            dt,
         )
 
     def renewed(self, memory: Deformation, positions: Array, volume_ratio: Array) -> tuple[Deformation, bool]:
