@@ -188,6 +188,23 @@ def test_plasticity_at_a_point_is_the_pfem_s() -> None:
     assert heat == pytest.approx(0.9 * work, rel=1e-9)
 
 
+def test_the_threshold_of_the_rate_is_no_trap() -> None:
+    """A step so short that the yield point, the chord of the power and the reference rate lie at one strain.
+
+    Newton's method goes back and forth between two strains there, the ends of its bracket.
+    """
+    spec = {"base": "aisi4340", "young_modulus": 200e3, "poisson_ratio": 0.29}
+    material = load_material(spec, Path())
+    state = initial_points(np.array([293.15]))
+    stretch = 650.7603315202414 / (2.0 * material.shear_modulus * np.sqrt(2.0 / 3.0))
+    dt = 5.476752384284857e-09
+    gradient = np.diag([2.0, -1.0, -1.0])[None] / 3.0 * stretch / dt
+    found = updated(material, state, gradient, dt).state
+    law = material.hardening.flow_stress(found.eqps, found.rate, state.temperature)
+    assert von_mises(found.deviator) == pytest.approx(law.value, rel=1e-9)
+    assert 0.0 < found.eqps[0] < 1e-7
+
+
 def test_pressure_and_stress() -> None:
     pressure = linear_pressure(np.array([1e5]), np.array([0.99]))
     assert pressure[0] == pytest.approx(1e5 * (1.0 / 0.99 - 1.0))

@@ -284,3 +284,8 @@ def test_a_rigid_body_presses_another() -> None:
     block_x = method.current.positions[:60, 0]
     assert block_x.max() < method.current.positions[60:, 0].min()
     assert measures.max_eqps > 0.1
+
+
+def test_a_hold_without_particles_is_a_mistake() -> None:
+    with pytest.raises(CaseError, match="no particle"):
+        block(hold=[{"box": [[0.0, 0.0], [0.04, 1.0]]}])

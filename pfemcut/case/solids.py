@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pfemcut.case.controls import contact_law, moving_tool
 from pfemcut.case.cutting import starting_tool
 from pfemcut.case.load import CaseError, initial_temperature
-from pfemcut.case.particles import ExplicitParticles, Particles, Solid, SolidsCase, SolidsParticles
+from pfemcut.case.particles import ExplicitParticles, Particles, Point, Solid, SolidsCase, SolidsParticles
 from pfemcut.case.schema import Case
 from pfemcut.contact.friction_laws.coulomb import Coulomb
 from pfemcut.materials.load import load_material
@@ -86,9 +86,23 @@ def cutting_particles(case: Case, material: Material) -> ParticleProblem:
 
 
 def solids_problem(case: SolidsCase, material: Material, base_directory: Path) -> ParticleProblem:
-    """The problem of solids; the first body's material is given, files of others lie in ``base_directory``."""
+    """The problem of solids; the first body's material is given, files of others lie in ``base_directory``.
+
+    Raises
+    ------
+    CaseError
+        If a hold has no particle in its box.
+    """
     materials = [material, *(load_material(each.material, base_directory) for each in case.body[1:])]
     bodies = tuple(_body(case, table, each) for table, each in zip(case.body, materials, strict=True))
+    points = np.concatenate([body.points for body in bodies])
+    empty = [
+        f"[[hold]] box: no particle in {hold.box[0]} to {hold.box[1]}; the outer ones lie half a spacing inside"
+        for hold in case.hold
+        if not _inside(hold.box, points).any()
+    ]
+    if empty:
+        raise CaseError(empty)
     stiffest = max(each.young_modulus for each in materials)
     spacing = case.particles.spacing
     gauges = tuple(Gauge(number, 2) for number, table in enumerate(case.body) if table.cylinder)[:1]
@@ -136,8 +150,7 @@ def _body(case: SolidsCase, table: Solid, material: Material) -> ParticleBody:
     points, volume = _filled(table, case.particles.spacing)
     held = np.full(points.shape, table.rigid)
     for hold in case.hold:
-        low, high = (np.array(corner) for corner in hold.box)
-        inside = ((points >= low) & (points <= high)).all(axis=1)
+        inside = _inside(hold.box, points)
         for axis in hold.axes:
             if _AXES.index(axis) < case.dimension:
                 held[inside, _AXES.index(axis)] = True
@@ -150,6 +163,11 @@ def _body(case: SolidsCase, table: Solid, material: Material) -> ParticleBody:
         velocity=np.array(table.velocity or (0.0,) * case.dimension),
         held=held,
     )
+
+
+def _inside(box: tuple[Point, Point], points: Array) -> NDArray[np.bool_]:
+    low, high = (np.array(corner) for corner in box)
+    return np.asarray(((points >= low) & (points <= high)).all(axis=1))
 
 
 def _filled(table: Solid, spacing: float) -> tuple[Array, float]:

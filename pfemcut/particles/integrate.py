@@ -16,6 +16,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pfemcut.materials.return_mapping import ReturnMappingFailed
 from pfemcut.method import RunStopped
 from pfemcut.particles.contact import RigidContact, contact_stiffness, rigid_contact
 from pfemcut.particles.formulation import ForceModel
@@ -91,7 +92,7 @@ def advance(model: ForceModel[Memory], state: State[Memory]) -> State[Memory]:
     Raises
     ------
     RunStopped
-        If particles fly off: positions are no numbers any more.
+        If particles fly off, positions being no numbers any more, or a stress can't be found.
     """
     problem, clock = model.problem, state.clock
     mass = problem.mass[:, None]
@@ -104,7 +105,10 @@ def advance(model: ForceModel[Memory], state: State[Memory]) -> State[Memory]:
         raise RunStopped(
             f"particles have no finite positions after {clock.time:.4g} s: the step was not stable"
         )
-    found = model.evaluate(state.memory, state.material, positions, half, dt)
+    try:
+        found = model.evaluate(state.memory, state.material, positions, half, dt)
+    except ReturnMappingFailed as error:
+        raise RunStopped(f"{error}, after {clock.time:.4g} s") from error
     contact = rigid_contact(problem, found.material, positions, half, clock.time + dt, dt)
     loads = Loads(found.internal, found.viscous, found.control, found.between, contact.forces)
     velocities = half + 0.5 * dt * free * loads.total / mass
