@@ -1,7 +1,7 @@
 # make demo    sets up what is missing, then cuts AISI 4340
 # make test    sets up what is missing, then runs the tests
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test validate bench lint clean
+.PHONY: help setup demo test validate bench docs lint clean
 .NOTPARALLEL:
 
 # Another active environment, or packages in the user's home, must not mix with Debian's.
@@ -21,6 +21,7 @@ help:
 	@echo "make test      fast tests"
 	@echo "make validate  slow tests, published cases and studies (hours; goes on where interrupted)"
 	@echo "make bench     timings"
+	@echo "make docs      the documentation as a site in out/site"
 	@echo "make lint      ruff and mypy"
 	@echo "make clean     remove results and caches"
 
@@ -39,7 +40,7 @@ demo: $(READY)
 
 # One BLAS thread: tests compare bit for bit, and small matrices gain nothing from more; on a busy machine threads that
 # wait for each other are many times slower.
-demo test validate bench: export OMP_NUM_THREADS := 1
+demo test validate bench docs: export OMP_NUM_THREADS := 1
 
 test: $(READY)
 	$(PYTHON) -m pytest -q -m "not slow" tests
@@ -50,6 +51,12 @@ validate: $(READY)
 
 bench: $(READY)
 	@set -e; for script in step_time scaling seconds_per_mm; do echo "== $$script"; $(PYTHON) benchmarks/$$script.py; done
+
+# Any warning, such as a link that leads nowhere, stops it.
+docs: $(READY)
+	$(PYTHON) -m pip install --quiet --disable-pip-version-check --constraint .venv/constraints.txt --editable '.[docs]'
+	$(PYTHON) -m sphinx -q -W --keep-going -c docs . out/site
+	@echo "site     out/site/index.html"
 
 lint: $(READY)
 	$(PYTHON) -m ruff check .

@@ -17,18 +17,17 @@ from mpi4py import MPI
 
 from pfemcut.case.cutting import cutting_problem
 from pfemcut.case.load import load_case
+from pfemcut.converge.refinement import scaled_sizes
 from pfemcut.pfem.method import PfemMethod
 from pfemcut.validation.provenance import ROOT
 
 CASE = ROOT / "demos" / "aisi4340_rake0" / "case.toml"
-SIZES = ("tip_size", "shear_zone_size", "chip_size", "surface_size")
 
 
 def scaled(factor: float) -> list[str]:
-    """Changes of the case that scale its mesh sizes; growth decides how fast the spacing widens and scales too."""
-    mesh = load_case(CASE)[0].mesh
-    sizes = [f"mesh.{name}={factor * getattr(mesh, name)!r}" for name in SIZES]
-    return [*sizes, f"mesh.growth={factor * mesh.growth!r}"]
+    """Changes of the case that scale its mesh sizes but for the far one."""
+    sizes = scaled_sizes(load_case(CASE)[0], factor)
+    return [f"{key}={value!r}" for key, value in sizes.items() if key != "mesh.far_size"]
 
 
 def main() -> None:

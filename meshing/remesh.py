@@ -11,6 +11,7 @@ from meshing.boundary import Outline, PlaceBoundary, collapse_short_edges, split
 from meshing.interior import crowded_particles, refinement_points
 from meshing.locate import locate
 from meshing.mesh import Boundary, Mesh
+from meshing.notches import close_notches
 from meshing.sizes import SpacingField
 from meshing.triangulation import constrained_delaunay
 
@@ -205,10 +206,11 @@ def _edit_boundary(
     stays = np.ones(len(mesh.points), dtype=bool)
     if rules.remove:
         before = outline.particles
+        outline = close_notches(outline, rules.boundary_removal * sizes(outline.points), locked[before])
+        inside = outline.particles >= 0
+        held = np.where(inside, locked[outline.particles], False)
         factor = _removal_factors(outline, coarsening, free)
-        outline = collapse_short_edges(
-            outline, rules.boundary_removal * factor * sizes(outline.points), locked[before]
-        )
+        outline = collapse_short_edges(outline, rules.boundary_removal * factor * sizes(outline.points), held)
         stays[before] = False
         stays[outline.particles[outline.particles >= 0]] = True
     if rules.insert:

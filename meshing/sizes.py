@@ -76,11 +76,18 @@ class SizeZone:
         Spacing inside the region (mm).
     growth
         Increase of the spacing per unit distance outside the region (dimensionless).
+    still
+        Whether it stays where it is when the field moves.
     """
 
     region: Capsule | Box
     size: float
     growth: float
+    still: bool = False
+
+    def moved(self, shift: Array) -> SizeZone:
+        """The zone carried along by ``shift`` (2,), unless it stays."""
+        return self if self.still else replace(self, region=self.region.moved(shift))
 
 
 @dataclass(frozen=True)
@@ -115,6 +122,6 @@ class SizeField:
     def moved(self, shift: Array) -> SizeField:
         """The size field carried along by ``shift`` (2,), as when it follows the tool."""
         return SizeField(
-            tuple(replace(zone, region=zone.region.moved(shift)) for zone in self.zones),
+            tuple(zone.moved(shift) for zone in self.zones),
             self.far_size,
         )

@@ -11,7 +11,7 @@ import signal
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -30,18 +30,31 @@ from pfemcut.output.directory import (
 )
 from pfemcut.output.progress import progress_display
 from pfemcut.output.recorder import Recorder
+from pfemcut.output.requests import Request, asked, done
+from pfemcut.output.surface import surface_figures, surface_warnings
+from pfemcut.output.tool_profiles import cut_profiles, write_table
 from pfemcut.particles.problem import ParticleProblem
 from pfemcut.problem import Cut, Problem
 from pfemcut.ranks import Ranks, RanksDiffer, SignalNotes
-from pfemcut.results.checkpoint import Checkpoint, State, read_checkpoint, require_same_case
+from pfemcut.results.checkpoint import (
+    Checkpoint,
+    State,
+    read_checkpoint,
+    require_same_case,
+    require_still_cutting,
+)
+from pfemcut.results.contact_table import EVERY
 from pfemcut.results.derived.columns import derived_columns
+from pfemcut.results.derived.profile_figures import profile_figures
 from pfemcut.results.derived.tool_heating import tool_warnings
+from pfemcut.results.derived.tool_profiles import tool_loads
 from pfemcut.results.history import CORE_COLUMNS, read_table
-from pfemcut.results.summary import Summary, summarise, write_summary
+from pfemcut.results.summary import Summary, summarise, update_summary, write_summary
 
 if TYPE_CHECKING:
     from pfemcut.case.load import AnyCase
     from pfemcut.materials.material import Material
+    from pfemcut.output.scales import Scales
 
 
 AnyProblem = Problem | ParticleProblem
@@ -108,10 +121,19 @@ def run_case(
     )
 
 
-def report_case(directory: Path) -> None:
+def report_case(directory: Path, *, animation: bool = True, scales: Scales | None = None) -> None:
     """Write figures and report of a cutting case from its output directory alone.
 
     A run that was killed, or goes on, has no summary yet; its history so far makes one.
+
+    Parameters
+    ----------
+    directory
+        Output directory of a run.
+    animation
+        Whether to draw the animation of the chip too.
+    scales
+        Colour scales of fields that replace their own.
 
     Raises
     ------
@@ -122,13 +144,16 @@ def report_case(directory: Path) -> None:
     from pfemcut.case.translate import problem_of
     from pfemcut.output.report import write_report
 
-    if not (directory / SUMMARY).exists():
-        problem = problem_of(*validated(read_toml(directory / INPUTS), directory), directory)
+    problem = problem_of(*validated(read_toml(directory / INPUTS), directory), directory)
+    if (directory / SUMMARY).exists():
+        if isinstance(problem, Problem):
+            update_summary(directory / SUMMARY, surface_figures(directory, problem))
+    else:
         ending = "had not ended when this was written"
         summary = summary_of(directory, problem, finished=False, ending=ending, warnings=(ending,))
         with writing(directory):
             write_summary(directory / SUMMARY, summary)
-    write_report(directory)
+    write_report(directory, animation=animation, scales=scales)
 
 
 def run_problem(
@@ -170,7 +195,8 @@ def run_problem(
     Raises
     ------
     RunStopped
-        If the method can't go on, or (:class:`RunInterrupted`) on SIGINT, SIGTERM or SIGUSR1. Outputs and a checkpoint
+        If the method can't go on, or (:class:`RunInterrupted`) on SIGINT, SIGTERM, SIGUSR1 or a
+        request (:mod:`pfemcut.output.requests`). Outputs and a checkpoint
         of the last finished step are written, and a summary that says ``finished: false``. After
         :class:`pfemcut.ranks.RanksDiffer` the last checkpoint is that of an earlier step.
     OutputError, CheckpointError
@@ -179,6 +205,8 @@ def run_problem(
     ranks = Ranks(communicator)
     with ranks.together():
         ranks.on_first(lambda: prepare_directory(directory, resume=resume, overwrite=overwrite))
+        # What was asked of an earlier run, which ended before it came to it.
+        ranks.on_first(lambda: done(directory, *Request))
         last_step = -1
         warnings: tuple[str, ...] = ()
         if resume:
@@ -187,6 +215,7 @@ def run_problem(
             ranks.on_first(lambda: remove_conclusions(directory))
             last_step, warnings = checkpoint.step, checkpoint.warnings
             method = factory.restore(checkpoint.state)
+            require_still_cutting(checkpoint.resolved_case, inputs, method.measure().time)
         else:
             method = factory.start()
         run = _Run(problem, method, directory, controls, ranks, warnings)
@@ -197,14 +226,18 @@ def run_problem(
 def summary_of(
     directory: Path, problem: AnyProblem, *, finished: bool, ending: str, warnings: Sequence[str]
 ) -> Summary:
-    """Build the summary of the tables in ``directory``."""
+    """Build the summary of the tables in ``directory``, and write the profiles along the tool beside them."""
     history, timing = directory / HISTORY, directory / TIMING
     none = {name: np.zeros(0) for name in CORE_COLUMNS}
     cut, tool = problem.cut, problem.tool
     columns = (read_table(history) or none) if history.exists() else none
     if columns["time"].size and isinstance(problem, Problem):
         warnings = (*warnings, *tool_warnings(problem, columns["time"][-1]))
-    return summarise(
+    figures: dict[str, dict[str, float | str]] = {}
+    for found in cut_profiles(directory):
+        write_table(directory, found.profiles)
+        figures = profile_figures(found.profiles)
+    summary = summarise(
         columns,
         read_table(timing) if timing.exists() else {},
         title=problem.title,
@@ -213,6 +246,15 @@ def summary_of(
         depth=cut[0].depth if cut else math.nan,
         rake=tool[0].shape.rake if tool else math.nan,
         warnings=warnings,
+        profile_figures=figures,
+    )
+    if not isinstance(problem, Problem):
+        return summary
+    figures = surface_figures(directory, problem)
+    return replace(
+        summary,
+        figures={**summary.figures, **figures},
+        warnings=(*summary.warnings, *surface_warnings(problem, figures)),
     )
 
 
@@ -263,12 +305,7 @@ class _Run:
                     measures = self._advance()
                     self._record(measures, begun)
                     progress.show(measures)
-                    number = self._ranks.largest(signals.noted)
-                    if number and not method.finished:
-                        raise RunInterrupted(
-                            f"stopped by {signal.Signals(number).name} after step {measures.step}, "
-                            f"travel {measures.travel:.4f} mm; it can be resumed"
-                        )
+                    self._obey(measures, self._ranks.largest(signals.noted))
         except CutEnded as ended:
             return self._finish(finished=True, ending=str(ended), warnings=(str(ended),))
         except RanksDiffer:
@@ -277,6 +314,20 @@ class _Run:
             self._finish(finished=False, ending=str(stopped), warnings=(str(stopped),))
             raise
         return self._finish(finished=True, ending="reached its final time")
+
+    def _obey(self, measures: Measures, number: int) -> None:
+        """Do what was asked for during a step, by the signal of that number or by requests in the directory."""
+        requests = self._ranks.on_first(lambda: asked(self._directory))
+        if Request.CHECKPOINT in requests:
+            self._record_checkpoint(measures.step)
+        if requests:
+            self._ranks.on_first(lambda: done(self._directory, *requests))
+        by = signal.Signals(number).name if number else "a request"
+        if (number or Request.STOP in requests) and not self._method.finished:
+            raise RunInterrupted(
+                f"stopped by {by} after step {measures.step}, "
+                f"travel {measures.travel:.4f} mm; it can be resumed"
+            )
 
     def _advance(self) -> Measures:
         """Advance one step, to which all ranks must come to the same outcome; its measures, or its error."""
@@ -298,7 +349,7 @@ class _Run:
         self._pending = [measures]
         if step % controls.history_every == 0:
             self._record_row()
-        if step % controls.every == 0:
+        if step % controls.every == 0 or self._problem.ends_stage(measures.time):
             self._record_frame(method.frame())
         if step % controls.checkpoint_every == 0:
             self._record_checkpoint(step)
@@ -320,10 +371,19 @@ class _Run:
             ) -> None:
                 for frame, cut in cuts:
                     own.update(derived_columns(frame, cut))
+                    # A tool that withdraws has other loads than that of the cut.
+                    if measures.step % EVERY == 0 and self._problem.cutting_at(measures.time):
+                        self._record_contact(frame, cut, measures.dt)
                 self._recorders[0].row(measures, own)
 
             self._ranks.on_first(write_row)
         self._pending = []
+
+    def _record_contact(self, frame: Frame, cut: Cut, last_dt: float) -> None:
+        """Write what the tool's surface feels; a rigid tool's forces act on lengths of the begin of the step."""
+        (tool,) = self._problem.tool
+        loads = tool_loads(frame, (-cut.speed, 0.0), 0.0 if tool.body else last_dt)
+        self._recorders[0].contact(frame.step, loads)
 
     def _record_frame(self, frame: Frame) -> None:
         self._ranks.on_first(lambda: self._recorders[0].frame(frame))

@@ -62,6 +62,18 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise InputError([f"{path}: TOML syntax error: {error}"]) from None
 
 
+class NoQuantity(str):
+    """Text in the place of a number that is none with a suitable unit; ``problem`` says why."""
+
+    def __new__(cls, text: str, problem: str) -> NoQuantity:
+        """``text`` with its ``problem``."""
+        made = super().__new__(cls, text)
+        made.problem = problem
+        return made
+
+    problem: str
+
+
 def explained(error: ValidationError, model: type[BaseModel], section: str = "") -> list[str]:
     """One line for each problem of a failed validation.
 
@@ -74,7 +86,8 @@ def explained(error: ValidationError, model: type[BaseModel], section: str = "")
     section
         TOML path of the table that was validated; empty for a whole file.
     """
-    return [line for item in error.errors() for line in _lines(dict(item), model, section)]
+    lines = [line for item in error.errors() for line in _lines(dict(item), model, section)]
+    return list(dict.fromkeys(lines))
 
 
 def description_of(model: type[BaseModel], loc: Sequence[int | str]) -> str:
@@ -98,6 +111,9 @@ def _lines(item: dict[str, Any], model: type[BaseModel], section: str) -> list[s
         place = ".".join(key for key in (section, *map(str, path)) if key)
         return [f"[{place}] {message}" if place else message for message in messages]
     note = f": {description}" if description else ""
+    if isinstance(item["input"], NoQuantity):
+        # The description says what else than a quantity is allowed.
+        return [f"{label}: {item['input'].problem}{note if is_table else ''}"]
     if kind == "union_tag_not_found" and context["discriminator"].startswith("'"):
         key = context["discriminator"].strip("'")
         return [f"{_label(section, [*path, key])}: missing and has no default"]
@@ -141,7 +157,7 @@ def _resolve(
             path.append(part)
             field = owners[0].model_fields[part]
             description = (field.description or "").rstrip(".")
-            holders, inside = inside, _models_in(field.annotation, field.metadata)
+            holders, inside = inside, models_in(field.annotation, field.metadata)
         elif tagged := [candidate for candidate in inside if _has_tag(candidate, part)]:
             inside = tagged
         elif last and unknown_key:
@@ -150,14 +166,14 @@ def _resolve(
     return path, holders, bool(inside), description
 
 
-def _models_in(*annotations: Any) -> list[type[BaseModel]]:
+def models_in(*annotations: Any) -> list[type[BaseModel]]:
     """Every model class mentioned in type annotations."""
     found: list[type[BaseModel]] = []
     for annotation in annotations:
         if isinstance(annotation, type) and issubclass(annotation, BaseModel):
             found.append(annotation)
         else:
-            found.extend(_models_in(*get_args(annotation)))
+            found.extend(models_in(*get_args(annotation)))
     return found
 
 

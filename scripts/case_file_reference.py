@@ -9,21 +9,22 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 from types import UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from typing import Annotated, Any, Union, get_args, get_origin
 
-from annotated_types import Ge, Gt, Le, Lt, MinLen
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from pfemcut.case.general_schema import GeneralCase
 from pfemcut.case.particles import SolidsCase
 from pfemcut.case.schema import Case
+from pfemcut.case.wording import allowed, choices, default, inner_types, kind_of
 
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "case_file.md"
 INTRODUCTION = """\
 # The case file
 
-A case file is TOML. Units are mm, tonne, s and K (so N, MPa and mJ), angles are in degrees. Unknown keys, wrong types
+A case file is TOML. Plain numbers are in mm, tonne, s and K (so N, MPa and mJ), angles in degrees; text such as
+`"200 m/min"` brings [its own unit](units.md). Unknown keys, wrong types
 and values out of range are errors that name the key. Every run writes the case with all defaults filled in to
 `inputs.resolved.toml`. On the command line, `--set section.key=value` overrides one value, and
 `pfemcut check CASE.toml` validates.
@@ -39,12 +40,6 @@ KINDS: tuple[tuple[str, type[BaseModel]], ...] = (
     ("An orthogonal cut", Case),
     ('A general problem (`problem = "general"`)', GeneralCase),
     ('Solids filled with particles (`problem = "solids"`)', SolidsCase),
-)
-RANGES: tuple[tuple[type, str, str], ...] = (
-    (Gt, "gt", "> {}"),
-    (Ge, "ge", "≥ {}"),
-    (Lt, "lt", "< {}"),
-    (Le, "le", "≤ {}"),
 )
 
 
@@ -92,7 +87,7 @@ def _sections(model: type[BaseModel], level: int, name: str = "") -> list[str]:
     for key, field in own.items():
         for table in _alternatives(field):
             path = f"{name}.{key}" if name else key
-            law = [repr(_choices(f.annotation)[0]) for k, f in table.model_fields.items() if k == "law"]
+            law = [repr(choices(f.annotation)[0]) for k, f in table.model_fields.items() if k == "law"]
             tag = "".join(f", law = {each}" for each in law).replace("'", '"')
             parts += [
                 f"\n{'#' * level} [{path}]{tag}\n",
@@ -110,7 +105,7 @@ def _first_lines(model: type[BaseModel]) -> str:
 def _table(fields: dict[str, FieldInfo]) -> str:
     lines = ["| Key | Meaning | Allowed | Default |", "|---|---|---|---|"]
     lines += [
-        f"| `{name}` | {field.description} | {_allowed(field)} | {_default(field)} |"
+        f"| `{name}` | {field.description} | {allowed(field)} | {default(field)} |"
         for name, field in fields.items()
     ]
     return "\n".join(lines)
@@ -129,75 +124,12 @@ def _models(annotation: Any) -> list[tuple[type[BaseModel], bool]]:
     return [(annotation, False)] if is_model else []
 
 
-def _inner(annotation: Any) -> tuple[Any, ...]:
-    if get_origin(annotation) is Annotated:
-        return _inner(get_args(annotation)[0])
-    if get_origin(annotation) in (tuple, Union, UnionType):
-        return tuple(inner for each in get_args(annotation) for inner in _inner(each))
-    return (annotation,)
-
-
-def _allowed(field: FieldInfo) -> str:
-    choices = _choices(field.annotation)
-    if choices:
-        return ", ".join(f'`"{choice}"`' for choice in choices)
-    limits = [
-        text.format(f"{getattr(limit, name):g}")
-        for kind, name, text in RANGES
-        for limit in field.metadata
-        if isinstance(limit, kind)
-    ]
-    if any(isinstance(limit, MinLen) for limit in field.metadata):
-        limits.append("not empty")
-    return ", ".join([_kind(field.annotation), *limits])
-
-
 def _alternatives(field: FieldInfo) -> list[type[BaseModel]]:
     """The models of the tables that may stand in the place of a number and have keys of their own."""
-    kinds = _inner(field.annotation)
+    kinds = inner_types(field.annotation)
     models = [each for each in kinds if isinstance(each, type) and issubclass(each, BaseModel)]
-    written = [_kind(each) for each in models]
+    written = [kind_of(each) for each in models]
     return [model for model, kind in zip(models, written, strict=True) if float in kinds and kind == "table"]
-
-
-def _choices(annotation: Any) -> tuple[Any, ...]:
-    if get_origin(annotation) is Literal:
-        return get_args(annotation)
-    return ()
-
-
-def _kind(annotation: Any) -> str:
-    names = {float: "number", int: "whole number", bool: "true or false", str: "text", dict: "table"}
-    if get_origin(annotation) is tuple:
-        return "list of numbers" if str not in _inner(annotation) else "list of texts"
-    if get_origin(annotation) in (Union, UnionType):
-        kinds = [_kind(each) for each in get_args(annotation) if each is not type(None)]
-        return " or ".join(dict.fromkeys(kinds))
-    if get_origin(annotation) is Annotated:
-        return _kind(get_args(annotation)[0])
-    kind = get_origin(annotation) or annotation
-    if isinstance(kind, type) and issubclass(kind, BaseModel):
-        # A piecewise linear function; larger tables have a section of their own.
-        lists = [
-            f"{key} = […]"
-            for key, field in kind.model_fields.items()
-            if get_origin(field.annotation) is tuple
-        ]
-        return f"table `{{ {', '.join(lists)} }}`" if len(lists) == len(kind.model_fields) else "table"
-    return names[kind]
-
-
-def _default(field: FieldInfo) -> str:
-    if field.is_required():
-        return "required"
-    value = field.default
-    if value is None or value == ():
-        return "–"
-    if isinstance(value, bool):
-        return f"`{str(value).lower()}`"
-    if isinstance(value, tuple):
-        return f"`{list(value)}`"
-    return f'`"{value}"`' if isinstance(value, str) else f"`{value:g}`"
 
 
 if __name__ == "__main__":

@@ -4,8 +4,8 @@
 
 Each script of demos/*/, and tests/verification/*/verify.py, runs in its own process with one BLAS thread. Those of the
 demos run with --resume, so what is finished costs seconds and what was interrupted goes on. Logs are in out/validate.
-At the end the README's table and docs/verification.md are written. NAME is part of a script's path (softening,
-rake6/run, necking). The status is 1 if a script failed or missed its target.
+At the end the README's table, docs/verification.md and docs/validation.md are written. NAME is part of a script's path
+(softening, rake6/run, necking). The status is 1 if a script failed or missed its target.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             for process in running:
                 process.wait()
             return 130
-    for page in ("results_table.py", "verification_page.py"):
+    for page in ("results_table.py", "verification_page.py", "validation_page.py"):
         subprocess.run([sys.executable, str(ROOT / "scripts" / page)], check=True)
     return max(results)
 

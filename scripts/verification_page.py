@@ -34,6 +34,7 @@ GROUPS = {
         "prandtl_punch",
         "cook_membrane",
         "necking",
+        "quenched_layer",
     ),
     "Contact and friction": (
         "contact_patch",

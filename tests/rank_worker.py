@@ -17,6 +17,7 @@ import test_driver
 from mpi4py import MPI
 
 from pfemcut.method import RunStopped
+from pfemcut.output.requests import Request, ask
 from pfemcut.validation.options import exit_with
 
 RANK = MPI.COMM_WORLD.rank
@@ -74,6 +75,7 @@ EVENTS = {
     "SIGUSR1": on_rank(0, signalling(signal.SIGUSR1)),
     "SIGTERM": on_rank(0, signalling(signal.SIGTERM)),
     "SIGINT": on_rank(0, signalling(signal.SIGINT)),
+    "request to stop": on_rank(0, lambda: ask(Path(sys.argv[2]), Request.STOP)),
 }
 METHODS = {"other bits on rank 1": OtherBits, "no start on rank 1": FailsToStart}
 

@@ -20,6 +20,7 @@ from pfemcut.output.directory import OutputError
 from pfemcut.results.checkpoint import CheckpointError
 from pfemcut.results.summary import Summary
 
+DEMO = Path(__file__).parent.parent / "demos" / "aisi4340_demo" / "case.toml"
 CASE = """\
 title = "small cut"
 [workpiece]
@@ -111,7 +112,7 @@ def test_options_of_run_override_the_case(
         "-o",
         str(other),
         "--travel",
-        "0.25",
+        "0.25 mm",
         "--set",
         "tool.rake=6",
         "--set",
@@ -237,7 +238,7 @@ def test_bad_input_is_one_line_on_stderr_and_status_2(
         (["run"], "Missing argument 'CASE.toml'"),
         (["check", "nowhere.toml"], "nowhere.toml: no such file"),
         (["check", "."], "is a directory"),
-        (["run", "nowhere.toml", "--travel", "far"], "'--travel'"),
+        (["run", str(DEMO), "--travel", "far"], "[cutting] travel: given 'far', must be a length"),
         (["run", "nowhere.toml", "--colour"], "--colour"),
         (["report", "nowhere"], "nowhere: no results here"),
         (["materials", "aisi434"], "did you mean 'aisi4340'?"),

@@ -26,7 +26,15 @@ from pfemcut.results.derived.columns import derived_columns
 from pfemcut.results.history import read_table
 from pfemcut.results.summary import Summary
 
-INPUTS = "[cutting]\nspeed = 3.0\ntravel = 1.0\n"
+INPUTS = """[cutting]
+speed = 3.0
+depth = 0.1
+travel = 1.0
+[tool]
+rake = 6.0
+clearance = 5.0
+tip_radius = 0.025
+"""
 FRAME = replace(outline_frame(6.0, 0.15), time=0.0, travel=0.0)
 
 
@@ -71,7 +79,9 @@ class ChaoticMethod:
         return {"momentum": 0.001}
 
     def frame(self) -> Frame:
-        return replace(FRAME, step=self.step, time=0.05 * self.step)
+        velocity = np.full_like(FRAME.points, 1000.0 * self.x)
+        fields = {**FRAME.point_fields, "velocity": velocity}
+        return replace(FRAME, step=self.step, time=0.05 * self.step, point_fields=fields)
 
     def state(self) -> Mapping[str, np.ndarray]:
         return {"step": np.array(self.step), "x": np.array(self.x)}
@@ -87,6 +97,9 @@ def run(
         tool=(MovingTool(tool_of(6.0), (-CUT.speed, 0.0)),),
         pairs=(),
         others=(),
+        after=(),
+        ends_stage=lambda time: False,
+        cutting_at=lambda time: True,
     )
     factory = MethodFactory(
         start=lambda: ChaoticMethod(last, events=events),
@@ -119,6 +132,8 @@ def test_a_finished_run_leaves_everything(tmp_path: Path) -> None:
     assert names == {
         "history.csv",
         "timing.csv",
+        "contact.csv",
+        "tool_profiles.csv",
         "summary.json",
         "inputs.resolved.toml",
         "fields.pvd",
@@ -159,16 +174,21 @@ def test_resume_equals_uninterrupted_byte_for_byte(tmp_path: Path, killed_at: in
     whole, resumed = ((tmp_path / name / "history.csv").read_bytes() for name in ("whole", "killed"))
     assert resumed == whole
     assert frames_in(tmp_path / "killed") == frames_in(tmp_path / "whole")
+    for name in ("contact.csv", "tool_profiles.csv"):
+        assert (tmp_path / "killed" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
+    assert np.unique(read_table(tmp_path / "whole/contact.csv")["step"]).tolist() == [10, 20]
 
 
 def test_resume_repeats_the_steps_after_the_checkpoint(tmp_path: Path) -> None:
     run(tmp_path / "whole")
     with pytest.raises(MemoryError):
-        run(tmp_path / "killed", events={14: raising(MemoryError())})
+        # The checkpoint is that of step 9, before the contact record of step 10.
+        run(tmp_path / "killed", events={14: raising(MemoryError())}, controls=Controls(checkpoint_every=9))
     assert read_table(tmp_path / "killed/history.csv")["step"][-1] == 13
     run(tmp_path / "killed", resume=True)
-    whole, resumed = ((tmp_path / name / "history.csv").read_bytes() for name in ("whole", "killed"))
-    assert resumed == whole
+    for table in ("history.csv", "contact.csv"):
+        whole, resumed = ((tmp_path / name / table).read_bytes() for name in ("whole", "killed"))
+        assert resumed == whole
     assert read_table(tmp_path / "killed/timing.csv")["step"].tolist() == list(range(1, 21))
 
 

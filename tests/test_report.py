@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 import matplotlib.image
@@ -11,8 +10,10 @@ import pytest
 from synthetic_cut import DEPTH, filled_frame
 
 from pfemcut.output.directory import OutputError
-from pfemcut.output.figures import cutting_zone, nodal_average, von_mises_of_average_stress
-from pfemcut.output.report import figure_text, significant, write_report
+from pfemcut.output.drawing import cutting_zone
+from pfemcut.output.figures import nodal_average, von_mises_of_average_stress
+from pfemcut.output.report import write_report
+from pfemcut.output.report.text import figure_text, significant
 from pfemcut.output.vtu import FieldWriter
 from pfemcut.results.history import TableWriter, read_table
 from pfemcut.results.summary import summarise, write_summary
@@ -54,12 +55,6 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> str:
     return write_report(directory).read_text(encoding="utf-8")
 
 
-def test_report_needs_nothing_else(page: str) -> None:
-    sources = re.findall(r'(?:src|href)="([^"]{0,30})', page)
-    assert len(sources) == 7
-    assert all(source.startswith("data:image/png;base64,") for source in sources)
-
-
 def test_text_of_a_case_cannot_become_code(page: str) -> None:
     assert "<script>" not in page
     assert "<i>a</i>" not in page
@@ -68,18 +63,20 @@ def test_text_of_a_case_cannot_become_code(page: str) -> None:
 
 def test_report_has_results_with_units_definitions_ledgers_warnings_and_inputs(page: str) -> None:
     results = page.split('id="results"')[1].split("</table>")[0]
+    assert "<td>Cutting force" in results
     assert "200.0 ± 1.0" in results
     assert "N/mm" in results
     assert "Force on the tool against its motion" in results
     assert "95.00%" in page.split('id="ledgers"')[1]
-    assert "energy_error is 5.00%" in page.split('class="warnings"')[1].split("</div>")[0]
+    assert "energy_error is 5.00%" in page.split('class="warnings"')[1].split("</section>")[0]
     assert "depth = 0.1" in page
 
 
 def test_figures_are_written_beside_the_report_and_show_something(tmp_path: Path) -> None:
     write_report(output_directory(tmp_path))
     names = {path.name for path in (tmp_path / "figures").iterdir()}
-    expected = ("forces", "temperature", "plastic_strain", "strain_rate", "von_mises", "mesh", "profiles")
+    fields = ("temperature", "plastic_strain", "strain_rate", "von_mises", "mesh", "mesh_tip")
+    expected = ("forces", *fields, "profiles", "energy")
     assert names == {f"{name}.png" for name in expected}
     for name in names:
         image = matplotlib.image.imread(tmp_path / "figures" / name)

@@ -4,7 +4,7 @@
 
 On the reduced block of demos/aisi4340_demo: three meshes at twice the paper's step (all sizes refined by the same
 ratio), and three steps on the middle mesh: the paper's, twice and four times that. Grid convergence index after Roache
-(1994): 1.25 |relative change| / (r^p - 1).
+(1994), see pfemcut/converge/order.py.
 """
 
 import math
@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from pfemcut.converge.order import grid_convergence_index, observed_order
 from pfemcut.validation.study import Outcome, Study, Variant, finite, main, write_table
 
 RATIO = math.sqrt(2.0)
@@ -19,7 +20,6 @@ STEP = 2.082e-7
 SIZES = {"tip_size": 0.005, "shear_zone_size": 0.01, "chip_size": 0.015, "surface_size": 0.015}
 GROWTH = 0.08
 FIGURES = ("cutting_force", "thrust_force", "chip_thickness", "contact_length", "max_temperature")
-SAFETY = 1.25
 
 
 def steps(factor: float = 1.0) -> tuple[str, str]:
@@ -33,15 +33,6 @@ def mesh_variant(name: str, factor: float) -> Variant:
 
 def step_variant(name: str, factor: float) -> Variant:
     return Variant(name, steps(factor))
-
-
-def order_and_index(coarse: float, middle: float, fine: float, ratio: float) -> tuple[float, float]:
-    """Observed order and grid convergence index of the fine value; nan where the sequence does not converge."""
-    change, before = fine - middle, middle - coarse
-    if change * before <= 0.0 or abs(change) >= abs(before):
-        return math.nan, math.nan
-    order = math.log(before / change) / math.log(ratio)
-    return order, SAFETY * abs(change / fine) / (ratio**order - 1.0)
 
 
 def conclude(outcomes: Sequence[Outcome], results: Path) -> tuple[dict[str, Any], bool]:
@@ -64,7 +55,8 @@ def conclude(outcomes: Sequence[Outcome], results: Path) -> tuple[dict[str, Any]
         content[ladder] = {}
         for figure in FIGURES:
             values = [by_name[name].mean(figure) for name in names]
-            order, index = order_and_index(values[0], values[1], values[2], ratio)
+            order = observed_order(*values, ratio)
+            index = grid_convergence_index(values[2], values[1], ratio, order)
             content[ladder][figure] = {
                 "values": [finite(value) for value in values],
                 "observed_order": finite(order),

@@ -17,6 +17,7 @@ from pfemcut.case.schema import Case
 from pfemcut.case.sections import Contact
 from pfemcut.materials.material import Material
 from pfemcut.results.derived.tool_heating import tool_warnings
+from pfemcut.units import both
 
 
 def figures(case: AnyCase, material: Material, base_directory: Path) -> list[tuple[str, str]]:
@@ -38,7 +39,7 @@ def figures(case: AnyCase, material: Material, base_directory: Path) -> list[tup
     advance = cutting.speed * case.time.step
     return [
         ("title", problem.title),
-        ("material", f"{material.name}, initially at {initial_temperature(case, material):g} K"),
+        ("material", f"{material.name}, initially at {both(initial_temperature(case, material), 'K', 6)}"),
         ("workpiece", f"{length:g} x {height:g} mm"),
         (
             "tool",
@@ -52,7 +53,7 @@ def figures(case: AnyCase, material: Material, base_directory: Path) -> list[tup
             for body, given in zip(problem.others, (tool.body,), strict=False)
             if given is not None
         ),
-        ("cut", f"{cutting.depth:g} mm deep, {cutting.travel:g} mm at {cutting.speed:g} mm/s"),
+        ("cut", f"{cutting.depth:g} mm deep, {cutting.travel:g} mm at {both(cutting.speed, 'mm/s', 6)}"),
         ("friction", _friction(case.contact)),
         *(
             (
@@ -92,9 +93,9 @@ def _general_figures(case: GeneralCase, material: Material, base_directory: Path
     problem = general_problem(case, material, base_directory)
     return [
         ("title", problem.title),
-        ("material", f"{material.name}, initially at {problem.body.temperature:g} K"),
+        ("material", f"{material.name}, initially at {both(problem.body.temperature, 'K', 6)}"),
         *(
-            (each.name, f"{each.material.name}, initially at {each.temperature:g} K")
+            (each.name, f"{each.material.name}, initially at {both(each.temperature, 'K', 6)}")
             for each in problem.others
         ),
         ("parts", ", ".join(dict.fromkeys(problem.parts))),

@@ -7,6 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from meshing.initial import Arc
 from meshing.sizes import Box, Capsule, SizeField, SizeZone
 from pfemcut.case.controls import (
@@ -19,7 +21,7 @@ from pfemcut.case.controls import (
     time_controls,
 )
 from pfemcut.case.load import initial_temperature
-from pfemcut.case.schema import Case, Cutting, Mesh, Tool, ToolBody
+from pfemcut.case.schema import After, Case, Cutting, Mesh, Tool, ToolBody
 from pfemcut.materials.load import load_material
 from pfemcut.materials.material import Material
 from pfemcut.problem import (
@@ -27,13 +29,21 @@ from pfemcut.problem import (
     Body,
     ContactIntegration,
     ContactPair,
+    Cooling,
     Cut,
     PrescribedMotion,
     Problem,
+    Release,
     Schedule,
+    Withdrawal,
     fixed,
+    relaxed,
 )
 from pfemcut.tools.rigid_wedge import RigidWedge
+
+_DEPTHS_AWAY = 2.0
+_BENDING = 3.0
+_COOLING = 20.0  # 50 times the time constant 4 H² / (pi² a) of a layer H with a cold bottom
 
 TOOL = "tool"
 """Name of the body of a deformable tool."""
@@ -42,18 +52,21 @@ TOOL = "tool"
 def cutting_problem(case: Case, material: Material) -> Problem:
     """The problem of an orthogonal cut.
 
-    The workpiece is [0, L] x [0, H], fixed at the bottom and with u_x = 0 at x = 0. The tool enters at x = L
-    and moves towards -x; its tip circle's lowest point lies ``depth`` below the top surface, and it touches the
-    workpiece first at time zero.
+    The workpiece is [0, L] x [0, H], fixed at the bottom and, unless its end is free, with u_x = 0 at x = 0. The tool
+    enters at x = L and moves towards -x; its tip circle's lowest point lies ``depth`` below the top surface, and it
+    touches the workpiece first at time zero.
     """
     length, height = case.workpiece.length, case.workpiece.height
     tool = starting_tool(case)
     mesh = case.mesh
+    sizes = size_field(mesh, tool, case.cutting.depth, height)
+    if case.workpiece.end == "free":
+        sizes = replace(sizes, zones=(*sizes.zones, exit_zone(mesh, case.cutting.depth, height)))
     velocity = (-case.cutting.speed, 0.0)
     moving = moving_tool(tool, velocity, case.tool)
     given = case.tool.body
     end = case.cutting.travel / case.cutting.speed
-    return Problem(
+    problem = Problem(
         title=case.title or f"Cutting of {material.name}",
         body=Body(
             name="workpiece",
@@ -65,7 +78,7 @@ def cutting_problem(case: Case, material: Material) -> Problem:
         motions=(
             fixed("bottom", Axis.X),
             fixed("bottom", Axis.Y),
-            fixed("fixed", Axis.X),
+            *((fixed("fixed", Axis.X),) if case.workpiece.end == "held" else ()),
             *(() if given is None else support_motions(given.supports, velocity, end)),
         ),
         tool=(moving if given is None else replace(moving, body=TOOL),),
@@ -83,13 +96,44 @@ def cutting_problem(case: Case, material: Material) -> Problem:
         ),
         contact=contact_law(case.contact),
         self_contact=self_contact(case.contact.self, mesh.chip_size, material),
-        particles=particle_controls(mesh, size_field(mesh, tool, case.cutting.depth, height), velocity),
+        particles=particle_controls(mesh, sizes, velocity),
         time=time_controls(case.time, end),
         newton=newton_controls(case.solver),
         stabilisation=case.solver.stabilisation,
         stabilisation_modulus=stabilisation_modulus(case.solver, mesh),
         cut=(Cut(depth=case.cutting.depth, speed=case.cutting.speed, surface=height),),
     )
+    return problem if case.after is None else relaxed(problem, after_cut(case, case.after, material))
+
+
+def after_cut(case: Case, after: After, material: Material) -> tuple[Withdrawal | Cooling | Release, ...]:
+    """The stages after the cut."""
+    cutting, held = case.cutting, case.workpiece.end == "held"
+    initial = initial_temperature(case, material)
+    at = np.array([initial])
+    diffusivity = float((material.conductivity(at) / (material.density * material.capacity(at)))[0])
+    # Heat reaches the bottom through the height, from the chip through the length of the chip.
+    way = max(case.workpiece.height, cutting.travel)
+    stages: list[Withdrawal | Cooling | Release] = [
+        Withdrawal(
+            _DEPTHS_AWAY * cutting.depth if after.withdrawal is None else after.withdrawal, cutting.speed
+        )
+    ]
+    if after.cool:
+        stages.append(
+            Cooling(
+                temperature=initial if after.temperature is None else after.temperature,
+                sinks=("bottom", "fixed") if held else ("bottom",),
+                free=("side", "top") if held else ("side", "top", "fixed"),
+                coefficient=after.convection,
+                time=_COOLING * way**2 / diffusivity if after.cooling_time is None else after.cooling_time,
+                steps=after.cooling_steps,
+            )
+        )
+    if after.release:
+        corners = ((Axis.X, "fixed"), (Axis.Y, "fixed"), (Axis.Y, "side"))
+        stages.append(Release(tuple(fixed("bottom", axis, corner) for axis, corner in corners)))
+    return tuple(stages)
 
 
 def starting_tool(case: Case) -> RigidWedge:
@@ -208,3 +252,9 @@ def size_field(mesh: Mesh, tool: RigidWedge, depth: float, surface: float) -> Si
         ),
         far_size=mesh.far_size,
     )
+
+
+def exit_zone(mesh: Mesh, depth: float, surface: float) -> SizeZone:
+    """What the tool pushes out through the free end x = 0, and this face down to where it bends, three depths."""
+    below = surface - _BENDING * depth
+    return SizeZone(Box((-math.inf, below), (0.0, math.inf)), mesh.shear_zone_size, mesh.growth, still=True)

@@ -149,7 +149,7 @@ class BoundaryTable(Section):
         default=None, description="Displacement since time zero that is linear in the initial position"
     )
     force: Components | None = Field(
-        default=None, description="Force spread evenly over the part (N per mm of width)"
+        default=None, description="Force per width, spread evenly over the part (N/mm)"
     )
     traction: Components | None = Field(default=None, description="Traction per current length (MPa)")
     pressure: Amount | None = Field(default=None, description="Pressure normal to the current surface (MPa)")

@@ -16,6 +16,7 @@ from pfemcut.case.schema import Case
 from pfemcut.inputs import InputError, explained, read_toml
 from pfemcut.materials.load import load_material, material_table
 from pfemcut.materials.material import Material
+from pfemcut.wear.load import wear_table
 
 AnyCase = Case | GeneralCase | SolidsCase
 
@@ -62,11 +63,13 @@ def validated(table: Mapping[str, Any], base_directory: Path) -> tuple[AnyCase, 
         With one line for each problem found.
     """
     problems: list[str] = []
-    # Other materials than the first body's stay in the case, as whole tables: it alone then makes the problem.
-    try:
-        table = _with_materials(table, base_directory)
-    except InputError as error:
-        problems += error.problems
+    # Other materials than the first body's, and wear constants, stay in the case as whole tables: it alone then makes
+    # the problem.
+    for written_out in (_with_materials, _with_wear):
+        try:
+            table = written_out(table, base_directory)
+        except InputError as error:
+            problems += error.problems
     model = _model(table)
     try:
         case = model.model_validate(table)
@@ -115,6 +118,14 @@ def _with_materials(table: Mapping[str, Any], base_directory: Path) -> Mapping[s
     return table
 
 
+def _with_wear(table: Mapping[str, Any], base_directory: Path) -> Mapping[str, Any]:
+    """``table`` with the tool's wear constants written out."""
+    tool = table.get("tool")
+    if not isinstance(tool, Mapping) or not isinstance(tool.get("wear"), str | Mapping):
+        return table
+    return {**table, "tool": {**tool, "wear": wear_table(tool["wear"], base_directory)}}
+
+
 def _material_spec(table: Mapping[str, Any]) -> tuple[Any, str]:
     """What the case gives as material, and where it does."""
     if _model(table) is not Case:
@@ -139,8 +150,8 @@ def overridden(table: Mapping[str, Any], override: str) -> dict[str, Any]:
     target, equals, text = override.partition("=")
     keys = [key.strip() for key in target.split(".")]
     if not equals or not all(keys):
-        raise CaseError([f"--set: given '{override}', must be section.key=value"])
-    return replaced(table, keys, toml_value(text), f"--set: given '{override}'")
+        raise CaseError([f"--set: given {override!r}, must be section.key=value"])
+    return replaced(table, keys, toml_value(text), f"--set: given {override!r}")
 
 
 def replaced(table: Mapping[str, Any], keys: Sequence[str], value: Any, origin: str) -> dict[str, Any]:

@@ -96,11 +96,9 @@ class Cylinder(Section):
 
     radius: float = Field(gt=0, description="Radius (mm)")
     length: float = Field(gt=0, description="Length (mm)")
-    base: tuple[float, float, float] = Field(
+    base: Annotated[tuple[float, float, float], BeforeValidator(components)] = Field(
         default=(0.0, 0.0, 0.0), description="Middle of the lower end (mm)"
     )
-
-    _listed = model_validator(mode="before")(lambda table: _tupled(table, "base"))
 
 
 class Solid(Section):
@@ -197,7 +195,3 @@ class SolidsCase(Section):
         """2 if the first body is a box in the plane, else 3."""
         box = self.body[0].box
         return 3 if box is None else len(box[0])
-
-
-def _tupled(table: Any, key: str) -> Any:
-    return {**table, key: components(table[key])} if isinstance(table, dict) and key in table else table

@@ -24,7 +24,7 @@ from pfemcut.case.sections import (
 
 
 class Workpiece(Section):
-    """The block that is cut: [0, length] x [0, height], fixed at the bottom and held at x = 0."""
+    """The block that is cut: [0, length] x [0, height], fixed at the bottom; at x = 0 it is held or free."""
 
     length: float = Field(gt=0, description="Length along the cut (mm)")
     height: float = Field(gt=0, description="Height (mm)")
@@ -35,6 +35,10 @@ class Workpiece(Section):
         default=None,
         gt=0,
         description="Initial temperature (K); the material's reference temperature unless given",
+    )
+    end: Literal["held", "free"] = Field(
+        default="held",
+        description="Whether u_x = 0 on x = 0; a free end is one through which the tool may leave (travel > length)",
     )
 
 
@@ -78,6 +82,11 @@ class Tool(ToolHeat):
     rake: float = Field(default=0.0, gt=-45, lt=45, description="Rake angle (degrees)")
     clearance: float = Field(default=5.0, gt=0, lt=45, description="Clearance angle (degrees)")
     tip_radius: float = Field(gt=0, description="Radius of the tip circle (mm)")
+    wear: Annotated[str | dict[str, Any], BeforeValidator(name_or_table)] | None = Field(
+        default=None,
+        description="Constants of Usui's wear rate: name in the library, path to a file, or a table "
+        "`{ A = …, B = … }`, see [tool_profiles.md](tool_profiles.md); they change no result of the run",
+    )
 
     @model_validator(mode="after")
     def _has_a_body_if_it_deforms(self) -> Self:
@@ -105,6 +114,43 @@ class Cutting(Section):
         gt=0, description="Uncut chip thickness, top surface to lowest point of the tip (mm)"
     )
     travel: float = Field(gt=0, description="Travel of the tool from first contact (mm)")
+
+
+class After(Section):
+    """What comes after the cut: the tool withdraws, and the workpiece cools down and is let go if wished."""
+
+    withdrawal: float | None = Field(
+        default=None,
+        gt=0,
+        description="Way of the tool, equally far from rake and flank face (mm); two depths of cut unless given",
+    )
+    cool: bool = Field(
+        default=True,
+        description="Whether the workpiece cools down, with bottom and held end at the surroundings' temperature",
+    )
+    temperature: float | None = Field(
+        default=None,
+        gt=0,
+        description="Of the surroundings (K); the workpiece's initial temperature unless given",
+    )
+    cooling_time: float | None = Field(
+        default=None,
+        gt=0,
+        description="How long it cools (s); unless given, 20 times the square of the height (of the travel if that is "
+        "more) over the diffusivity",
+    )
+    cooling_steps: int = Field(
+        default=60, ge=5, le=2000, description="Steps of the cooling, which grow geometrically"
+    )
+    convection: float = Field(
+        default=0.0,
+        ge=0,
+        description="Heat transfer coefficient of the other faces (N/(mm s K); 1e-3 of the number in W/(m² K))",
+    )
+    release: bool = Field(
+        default=False,
+        description="Whether bottom and held end are let go at last, but for the two lower corners",
+    )
 
 
 class Mesh(Spacing):
@@ -139,6 +185,7 @@ class Case(Section):
     workpiece: Workpiece = Field(description="Table [workpiece]: the block that is cut")
     tool: Tool = Field(description="Table [tool]")
     cutting: Cutting = Field(description="Table [cutting]: the motion of the tool")
+    after: After | None = Field(default=None, description="Table [after]: unloading and cooling")
     contact: CuttingContact = Field(default_factory=CuttingContact, description="Table [contact]")
     mesh: Mesh = Field(default_factory=Mesh, description="Table [mesh]: particle spacing")
     particles: Particles | None = Field(
@@ -156,7 +203,7 @@ class Case(Section):
                 ("cutting", "depth", self.cutting.depth, "[workpiece] height", self.workpiece.height),
                 ("cutting", "travel", self.cutting.travel, "[workpiece] length", self.workpiece.length),
             )
-            if given >= limit
+            if given >= limit and not (key == "travel" and self.workpiece.end == "free")
         ]
         if wrong:
             raise ValueError("\n".join(wrong))

@@ -10,7 +10,6 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import (
     BaseModel,
     BeforeValidator,
-    ConfigDict,
     Discriminator,
     Field,
     Tag,
@@ -18,6 +17,7 @@ from pydantic import (
 )
 
 from pfemcut.contact.friction_laws import FrictionTable
+from pfemcut.input_table import InputTable
 
 
 def planned(*names: str) -> BeforeValidator:
@@ -32,16 +32,14 @@ def planned(*names: str) -> BeforeValidator:
 
 
 def name_or_table(value: Any) -> Any:
-    """``value`` if it can name or describe a material."""
+    """``value`` if it can name or describe a material or another entry of a library."""
     if not isinstance(value, str | dict):
         raise ValueError(f"given {value!r}, must be a name in the library, a path or a table")
     return value
 
 
-class Section(BaseModel):
-    """What all sections share: immutable, no unknown keys, no guessing of types, finite numbers."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+class Section(InputTable):
+    """What all sections share."""
 
 
 class Conduction(Section):

@@ -46,6 +46,8 @@ def cutting_particles(case: Case, material: Material) -> ParticleProblem:
         If the tool is none that particles know.
     """
     given = case.particles or Particles()
+    if case.after is not None or case.workpiece.end != "held":
+        raise CaseError([f"method = '{case.method}' has no [after], and no [workpiece] end but 'held'"])
     if case.tool.model != "rigid" or case.tool.conduction is not None:
         raise CaseError(
             [f"[tool]: with method = '{case.method}' it must be rigid, without [tool.conduction]"]

@@ -1,4 +1,4 @@
-"""The command line: ``pfemcut run | sweep | check | report | materials``.
+"""The command line, ``pfemcut COMMAND``; commands with more than a few lines have a file of their own beside this one.
 
 Exit status 0 for success (a finished, valid run), 1 for a run that stopped, 2 for bad input, 130 for Ctrl-C.
 Whatever is slow to import (dolfinx, matplotlib) is imported by the command that needs it.
@@ -16,9 +16,17 @@ import typer
 
 from pfemcut.case.check import figures, warnings
 from pfemcut.case.load import directed, load_case
+from pfemcut.cli.calibrate import calibrate
+from pfemcut.cli.compare import compare
+from pfemcut.cli.converge import converge
+from pfemcut.cli.examples import examples
+from pfemcut.cli.new import new
+from pfemcut.cli.profiles import profiles
+from pfemcut.cli.report import report
 from pfemcut.cli.speech import complain, say
 from pfemcut.cli.sweep import sweep
 from pfemcut.cli.table import result_lines
+from pfemcut.cli.watch import watch
 from pfemcut.inputs import InputError, UserError
 from pfemcut.materials.describe import described
 from pfemcut.materials.load import library_names, load_material
@@ -83,7 +91,8 @@ def run(
         Path | None, typer.Option("-o", "--output", metavar="DIR", help="Folder of the results.")
     ] = None,
     travel: Annotated[
-        float | None, typer.Option(metavar="MM", help="Travel of the tool, instead of the case's.")
+        str | None,
+        typer.Option(metavar="LENGTH", help="Travel of the tool, instead of the case's: 1 (mm), or '1 mm'."),
     ] = None,
     overrides: Overrides = [],  # noqa: B006 (typer copies it)
     resume: Annotated[bool, typer.Option("--resume", help="Continue from the last checkpoint.")] = False,
@@ -120,6 +129,12 @@ def run(
 
 
 app.command()(sweep)
+app.command()(compare)
+app.command()(converge)
+app.command()(calibrate)
+app.command()(examples)
+app.command()(new)
+app.command()(profiles)
 
 
 @app.command()
@@ -132,18 +147,8 @@ def check(case_file: CaseFile, overrides: Overrides = []) -> None:  # noqa: B006
         say(f"warning: {text}")
 
 
-@app.command()
-def report(
-    directory: Annotated[
-        Path, typer.Argument(metavar="DIR", help="Folder of the results.", show_default=False)
-    ],
-) -> None:
-    """Write the figures and the report of a run, also of one that is going on or was killed."""
-    if not (directory / "history.csv").is_file():
-        raise InputError([f"{directory}: no results here (history.csv is missing)"])
-    from pfemcut.driver import report_case
-
-    report_case(directory)
+app.command()(report)
+app.command()(watch)
 
 
 @app.command()

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from pfemcut.units import in_other
+
 if TYPE_CHECKING:
     from pfemcut.results.summary import Summary
 
@@ -16,13 +18,17 @@ def result_lines(summary: Summary) -> list[str]:
         f"{summary.title}: {summary.ending}",
         f"{summary.steps} steps, {summary.travel:.4g} mm of travel, {summary.wall_time:.0f} s; "
         f"means over {begin:.3g} to {end:.3g} mm, {'steady' if summary.steady else 'not steady'}",
-        *(f"  {name:<24} {_figure(figure)}" for name, figure in summary.figures.items()),
+        *(f"  {name:<24} {figure_text(figure)}" for name, figure in summary.figures.items()),
     ]
     return [*lines, *(f"warning: {text}" for text in summary.warnings)]
 
 
-def _figure(figure: Mapping[str, float | str]) -> str:
+def figure_text(figure: Mapping[str, float | str]) -> str:
+    """Return a figure of the summary as text in a column."""
     unit = "" if figure["unit"] in ("-", "1") else f" {figure['unit']}"
+    value = float(figure["mean"] if "mean" in figure else figure["value"])
+    other = in_other(value, str(figure["unit"]))
+    also = f" = {other[0]:.4g} {other[1]}" if other else ""
     if "mean" not in figure:
-        return f"{figure['value']:>10.4g}{unit}"
-    return f"{figure['mean']:>10.4g} +- {figure['std']:.2g}{unit}"
+        return f"{value:>10.4g}{unit}{also}"
+    return f"{value:>10.4g} +- {figure['std']:.2g}{unit}{also}"

@@ -11,6 +11,7 @@ from pydantic import BaseModel
 from pfemcut.materials.hardening import LAWS
 from pfemcut.materials.load import MaterialTable, material_table
 from pfemcut.materials.material import Material
+from pfemcut.units import declared, in_other
 
 
 def described(material: Material) -> str:
@@ -35,6 +36,13 @@ def source_of(material: Material, key: str) -> str:
     return sources.get(key) or sources.get(constant) or sources.get(table, "")
 
 
+def _in_other(value: Any, model: type[BaseModel], key: str) -> str:
+    """A number in the unit that engineers use, if that is another one."""
+    kind = declared(model.model_fields[key].description or "")
+    other = in_other(value, kind.unit) if kind and isinstance(value, int | float) else None
+    return f"{other[0]:.6g} {other[1]}: " if other else ""
+
+
 def _commented(table: Mapping[str, Any], model: type[BaseModel]) -> list[str]:
     lines = []
     for key, value in table.items():
@@ -43,6 +51,6 @@ def _commented(table: Mapping[str, Any], model: type[BaseModel]) -> list[str]:
             written = f"{key} = {{ {inside} }}"
         else:
             written = tomli_w.dumps({key: value}).strip()
-        note = model.model_fields[key].description
+        note = _in_other(value, model, key) + (model.model_fields[key].description or "")
         lines.append(f"{written}  # {note}" if note else written)
     return lines

@@ -10,7 +10,6 @@ from typing import Annotated, Any, Self
 
 from pydantic import (
     BaseModel,
-    ConfigDict,
     Discriminator,
     Field,
     Strict,
@@ -19,6 +18,7 @@ from pydantic import (
     model_validator,
 )
 
+from pfemcut.input_table import InputTable
 from pfemcut.inputs import InputError, explained, nearest, read_toml
 from pfemcut.materials.hardening import LAWS, HardeningTable
 from pfemcut.materials.material import Material, Property
@@ -27,9 +27,7 @@ Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
-
+class _Table(InputTable):
     temperature: Annotated[tuple[Positive, ...], Strict(False)] = Field(
         description="Increasing temperatures (K)"
     )
@@ -75,10 +73,8 @@ NotNegativeProperty = Annotated[
 ]
 
 
-class MaterialTable(BaseModel):
+class MaterialTable(InputTable):
     """Schema of a material file. Properties that depend on temperature may be given as a table."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
     name: str = Field(default="", description="Name for reports")
     source: str = Field(default="", description="Where the values come from")

@@ -18,8 +18,25 @@ SUMMARY = "summary.json"
 INPUTS = "inputs.resolved.toml"
 FIGURES = "figures"
 REPORT = "report.html"
+CONTACT = "contact.csv"
+PROFILES = "tool_profiles.csv"
+RESIDUAL = "residual.csv"
 
-OURS = (HISTORY, TIMING, SUMMARY, INPUTS, FIGURES, REPORT, COLLECTION, FOLDER, NAME, PREVIOUS)
+OURS = (
+    HISTORY,
+    TIMING,
+    SUMMARY,
+    INPUTS,
+    FIGURES,
+    REPORT,
+    CONTACT,
+    PROFILES,
+    RESIDUAL,
+    COLLECTION,
+    FOLDER,
+    NAME,
+    PREVIOUS,
+)
 
 
 class OutputError(UserError):
@@ -27,9 +44,9 @@ class OutputError(UserError):
 
 
 def remove_conclusions(directory: Path) -> None:
-    """Remove what the end of an earlier run concluded: summary, report and figures."""
+    """Remove what the end of an earlier run concluded: summary, tables, report and figures."""
     with writing(directory):
-        for name in (SUMMARY, REPORT):
+        for name in (SUMMARY, REPORT, PROFILES, RESIDUAL):
             (directory / name).unlink(missing_ok=True)
         shutil.rmtree(directory / FIGURES, ignore_errors=True)
 

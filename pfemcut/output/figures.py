@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import os
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,25 +13,34 @@ matplotlib.use("Agg")  # No display on a cluster.
 
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
-from matplotlib.axes import Axes  # noqa: E402
-from matplotlib.collections import PolyCollection  # noqa: E402
-from matplotlib.colors import LogNorm, Normalize  # noqa: E402
+from matplotlib.colors import Normalize  # noqa: E402
 from matplotlib.figure import Figure  # noqa: E402
 from matplotlib.tri import Triangulation  # noqa: E402
 from numpy.typing import NDArray  # noqa: E402
 
 from pfemcut.method import Block, Frame  # noqa: E402
-from pfemcut.output.vtu import boundary_loops  # noqa: E402
-from pfemcut.results.derived.chip_section import to_rake_frame  # noqa: E402
+from pfemcut.output.drawing import (  # noqa: E402
+    cutting_zone,
+    draw_outline,
+    draw_tool,
+    save,
+    seen_triangles,
+    tip_zone,
+    zone,
+)
+from pfemcut.output.scales import (  # noqa: E402
+    Scales,
+    four_decades,
+    from_zero,
+    temperature_scale,
+    with_ends,
+)
 from pfemcut.results.derived.profiles import tool_profile, tool_surface_temperature  # noqa: E402
 from pfemcut.results.derived.steady_window import SteadyWindow  # noqa: E402
 from pfemcut.results.derived.tool_state import nodal_stress, principal, von_mises  # noqa: E402
 from pfemcut.tools.rigid_wedge import RigidWedge  # noqa: E402
 
 Array = NDArray[np.float64]
-
-DOTS_PER_INCH = 130
-TOOL_COLOUR = "0.75"
 
 
 @dataclass(frozen=True)
@@ -47,7 +56,7 @@ class FieldPicture:
     colours
         Colour map.
     scale
-        From the values in view to the colour scale: the same field keeps its scale from run to run as far as it can.
+        From the values in view to the colour scale, see :mod:`pfemcut.output.scales`.
     """
 
     name: str
@@ -86,21 +95,6 @@ def von_mises_of_average_stress(frame: Frame) -> Array:
 
 def _of_cells(name: str) -> Callable[[Frame], Array]:
     return lambda frame: nodal_average(frame, frame.cell_fields[name])
-
-
-def _from_room_temperature(values: Array) -> Normalize:
-    return Normalize(float(values.min()), max(float(values.max()), float(values.min()) + 1.0))
-
-
-def _from_zero(values: Array) -> Normalize:
-    # The highest per cent is the tip's: it would leave no colours for the chip.
-    return Normalize(0.0, max(float(np.percentile(values, 99.0)), 1e-12))
-
-
-def _four_decades(values: Array) -> Normalize:
-    top = max(float(values.max()), 1.0)
-    decade = 10.0 ** np.ceil(np.log10(top))
-    return LogNorm(decade * 1e-4, decade)
 
 
 @dataclass(frozen=True)
@@ -148,7 +142,7 @@ FIELDS = (
         "K",
         lambda frame: np.asarray(frame.point_fields["temperature"], dtype=np.float64),
         "inferno",
-        _from_room_temperature,
+        temperature_scale,
     ),
     FieldPicture(
         "plastic_strain",
@@ -156,7 +150,7 @@ FIELDS = (
         "-",
         _of_cells("equivalent_plastic_strain"),
         "viridis",
-        _from_zero,
+        from_zero,
     ),
     FieldPicture(
         "strain_rate",
@@ -164,16 +158,24 @@ FIELDS = (
         "1/s",
         _of_cells("equivalent_plastic_strain_rate"),
         "magma",
-        _four_decades,
+        four_decades,
     ),
-    FieldPicture("von_mises", "Von Mises stress", "MPa", von_mises_of_average_stress, "turbo", _from_zero),
+    FieldPicture("von_mises", "Von Mises stress", "MPa", von_mises_of_average_stress, "turbo", from_zero),
 )
+
+MESHED = next(field for field in FIELDS if field.name == "strain_rate")
+"""The field of the close view with the mesh."""
 
 
 def write_figures(
-    directory: Path, frame: Frame, history: Mapping[str, Array], window: SteadyWindow, depth: float
+    directory: Path,
+    frame: Frame,
+    history: Mapping[str, Array],
+    window: SteadyWindow,
+    depth: float,
+    scales: Scales,
 ) -> list[Path]:
-    """Write all figures into ``directory`` and return their paths, in the order of the report.
+    """Write the figures of one instant, and the forces, into ``directory``; return their paths.
 
     Parameters
     ----------
@@ -186,47 +188,38 @@ def write_figures(
     window
         The steady window.
     depth
-        Depth of cut (mm), which sets the size of the picture.
+        Depth of cut (mm), which sets the size of the picture; nan without a cut.
+    scales
+        Colour scales that replace the fields' own.
     """
     directory.mkdir(exist_ok=True)
     written: list[Path] = []
-    if history["step"].size:
-        written.append(_save(draw_forces(history, window), directory / "forces.png"))
+    if history["travel"].any():
+        written.append(save(draw_forces(history, window), directory / "forces.png"))
     if frame.cells.shape[0]:
         view = cutting_zone(frame, depth)
         for field in FIELDS:
-            written.append(_save(draw_field(frame, field, view), directory / f"{field.name}.png"))
-        written.append(_save(draw_mesh(frame, view), directory / "mesh.png"))
+            figure = draw_field(frame, field, view, colour_scale(frame, field, view, scales))
+            written.append(save(figure, directory / f"{field.name}.png"))
+        for tool in frame.tool if not math.isnan(depth) else ():
+            near = tip_zone(tool, depth)
+            scale = colour_scale(frame, MESHED, view, scales)
+            figure = draw_field(frame, MESHED, near, scale, mesh=True)
+            written.append(save(figure, directory / "mesh_tip.png"))
+        written.append(save(draw_mesh(frame, view), directory / "mesh.png"))
     for tool, block in zip(frame.tool, frame.tool_blocks, strict=False):
         if "cauchy_stress" in block.cell_fields:
             for picture in TOOL_FIELDS:
                 figure = draw_tool_field(frame, tool, block, picture)
-                written.append(_save(figure, directory / f"{picture.name}.png"))
+                written.append(save(figure, directory / f"{picture.name}.png"))
     if tool_profile(frame).arc_length.size:
-        written.append(_save(draw_profiles(frame), directory / "profiles.png"))
+        written.append(save(draw_profiles(frame), directory / "profiles.png"))
     return written
-
-
-def cutting_zone(frame: Frame, depth: float) -> Array:
-    """Return the corners of the view (mm): the tool's tip, the whole chip and some material around; shape (2, 2)."""
-    if not frame.tool:
-        return np.array([frame.points.min(axis=0), frame.points.max(axis=0)])
-    tool = frame.tool[0]
-    lowest = np.asarray(tool.centre) - [0.0, tool.tip_radius]
-    offset = frame.points - lowest
-    # The chip: what lies in front of the rake face above the uncut surface.
-    chip = (offset[:, 1] > 1.2 * depth) & (to_rake_frame(frame.points, tool)[:, 1] > -0.5 * depth)
-    low = np.array([-5.0 * depth, -2.0 * depth])
-    high = np.array([3.0 * depth, 4.0 * depth])
-    if chip.any():
-        low = np.minimum(low, offset[chip].min(axis=0) - depth)
-        high = np.maximum(high, offset[chip].max(axis=0) + depth)
-    return lowest + np.array([low, high])
 
 
 def draw_forces(history: Mapping[str, Array], window: SteadyWindow) -> Figure:
     """Return the forces against travel, with the steady window shaded."""
-    figure, axes = plt.subplots(figsize=(7.0, 4.0), layout="constrained")
+    figure, axes = plt.subplots(figsize=(6.2, 3.8), layout="constrained")
     travel = history["travel"]
     label = "steady window" if window.steady else "averaging window (not steady)"
     axes.axvspan(
@@ -250,33 +243,50 @@ def draw_forces(history: Mapping[str, Array], window: SteadyWindow) -> Figure:
     bottom = min(float(np.percentile(history[name], 0.5)) for name in ("cutting_force", "thrust_force"))
     axes.set_ylim(min(0.0, 1.1 * bottom), 1.25 * top if top > 0.0 else None)
     axes.grid(alpha=0.3)
-    figure.legend(loc="outside lower center", ncols=3, fontsize="small")
+    figure.legend(loc="outside lower center", ncols=2, fontsize="small")
     return figure
 
 
-def draw_field(frame: Frame, field: FieldPicture, view: Array) -> Figure:
-    """Return the picture of one field in the cutting zone."""
+def colour_scale(frame: Frame, field: FieldPicture, view: Array, scales: Scales) -> Normalize:
+    """Return the colour scale of a field: the given one, or that of its values in view."""
     values = field.values(frame)
     inside = ((frame.points >= view[0]) & (frame.points <= view[1])).all(axis=1)
     scale = field.scale(values[inside] if inside.any() else values)
-    figure, axes = _zone(view, f"{field.title}, travel {frame.travel:.3f} mm")
-    triangles = _triangles(frame, view)
+    return with_ends(scale, scales[field.name]) if field.name in scales else scale
+
+
+def draw_field(
+    frame: Frame, field: FieldPicture, view: Array, scale: Normalize, *, mesh: bool = False
+) -> Figure:
+    """Return the picture of one field in the cutting zone, with the mesh over it if asked for."""
+    values = field.values(frame)
+    figure, axes = zone(view, f"{field.title}, travel {frame.travel:.3f} mm")
+    seen = seen_triangles(frame, view)
     shown = np.clip(values, scale.vmin, scale.vmax)
-    image = axes.tripcolor(triangles, shown, shading="gouraud", cmap=field.colours, norm=scale)
-    _draw_outline(axes, frame)
-    _draw_tool(axes, frame, view)
-    above = "max" if float(values[inside].max(initial=-np.inf)) > float(scale.vmax or 0.0) else "neither"
-    figure.colorbar(image, ax=axes, label=f"{field.title} ({field.unit})", shrink=0.85, extend=above)
+    image = axes.tripcolor(seen, shown, shading="gouraud", cmap=field.colours, norm=scale)
+    if mesh:
+        axes.triplot(seen, color="white", linewidth=0.35, alpha=0.7)
+    draw_outline(axes, frame)
+    draw_tool(axes, frame, view)
+    inside = ((frame.points >= view[0]) & (frame.points <= view[1])).all(axis=1)
+    low, high = float(scale.vmin or 0.0), float(scale.vmax or 0.0)
+    above = float(values[inside].max(initial=-np.inf)) > high
+    # Averaging of linear values may undershoot zero by nothing worth an arrow.
+    below = float(values[inside].min(initial=np.inf)) < low - 0.01 * (high - low) * (
+        field.scale is not four_decades
+    )
+    extend = {(True, True): "both", (True, False): "max", (False, True): "min"}.get((above, below), "neither")
+    figure.colorbar(image, ax=axes, label=f"{field.title} ({field.unit})", shrink=0.85, extend=extend)
     return figure
 
 
 def draw_mesh(frame: Frame, view: Array) -> Figure:
     """Return the picture of the mesh in the cutting zone."""
     count = frame.points.shape[0]
-    figure, axes = _zone(view, f"Mesh, {count} particles, travel {frame.travel:.3f} mm")
-    axes.triplot(_triangles(frame, view), color="tab:blue", linewidth=0.3)
-    _draw_outline(axes, frame)
-    _draw_tool(axes, frame, view)
+    figure, axes = zone(view, f"Mesh, {count} particles, travel {frame.travel:.3f} mm")
+    axes.triplot(seen_triangles(frame, view), color="tab:blue", linewidth=0.3)
+    draw_outline(axes, frame)
+    draw_tool(axes, frame, view)
     return figure
 
 
@@ -286,13 +296,13 @@ def draw_tool_field(frame: Frame, tool: RigidWedge, block: Block, field: ToolPic
     reach = field.reach * tool.tip_radius
     foot = tool.rake_tangent_point
     view = foot + np.array([[-0.4 * reach, -0.4 * reach], [reach, reach]])
-    figure, axes = _zone(view, f"{field.title} in the tool, travel {frame.travel:.3f} mm")
+    figure, axes = zone(view, f"{field.title} in the tool, travel {frame.travel:.3f} mm")
     inside = ((block.points >= view[0]) & (block.points <= view[1])).all(axis=1)
     triangles = Triangulation(block.points[:, 0], block.points[:, 1], block.cells)
     low, high = float(values[inside].min()), float(values[inside].max())
     levels = np.linspace(low, max(high, low + 1e-9), 25)
     image = axes.tricontourf(triangles, np.clip(values, low, high), levels=levels, cmap=field.colours)
-    _draw_outline(axes, frame)
+    draw_outline(axes, frame)
     at = int(np.argmax(np.abs(values)))
     axes.plot(*block.points[at], "k+", markersize=9, label=f"{values[at]:.4g} {field.unit}")
     axes.legend(loc="upper right", fontsize="small")
@@ -303,7 +313,7 @@ def draw_tool_field(frame: Frame, tool: RigidWedge, block: Block, field: ToolPic
 def draw_profiles(frame: Frame) -> Figure:
     """Return pressure, shear traction and temperature along the tool."""
     profile = tool_profile(frame)
-    figure, axes = plt.subplots(figsize=(7.0, 4.0), layout="constrained")
+    figure, axes = plt.subplots(figsize=(6.2, 3.8), layout="constrained")
     axes.plot(profile.arc_length, profile.pressure, ".-", color="tab:blue", label="pressure")
     axes.plot(profile.arc_length, profile.shear, ".-", color="tab:green", label="shear traction")
     axes.axvline(0.0, color="0.5", linewidth=0.8)
@@ -324,56 +334,3 @@ def draw_profiles(frame: Frame) -> Figure:
     axes.legend(lines, [str(line.get_label()) for line in lines], fontsize="small")
     axes.grid(alpha=0.3)
     return figure
-
-
-def _zone(view: Array, title: str) -> tuple[Figure, Axes]:
-    width, height = view[1] - view[0]
-    across = 7.0 if width >= height else max(4.5, 7.0 * width / height)
-    figure, axes = plt.subplots(
-        figsize=(across + 1.0, max(across * height / width, 3.0) + 0.6), layout="constrained"
-    )
-    axes.set(title=title, xlabel="x (mm)", ylabel="y (mm)", xlim=view[:, 0], ylim=view[:, 1])
-    axes.set_aspect("equal")
-    return figure, axes
-
-
-def _triangles(frame: Frame, view: Array) -> Triangulation:
-    """Return the triangles that the view shows, in part at least."""
-    corners = frame.points[frame.cells]
-    low, high = corners.min(axis=1), corners.max(axis=1)
-    seen = ((high >= view[0]) & (low <= view[1])).all(axis=1)
-    return Triangulation(frame.points[:, 0], frame.points[:, 1], frame.cells[seen])
-
-
-def _draw_outline(axes: Axes, frame: Frame) -> None:
-    for loop in frame.loops:
-        closed = frame.points[np.append(loop, loop[0])]
-        axes.plot(closed[:, 0], closed[:, 1], color="black", linewidth=0.6)
-
-
-def _draw_tool(axes: Axes, frame: Frame, view: Array) -> None:
-    length = float(2.0 * np.hypot(*(view[1] - view[0])))
-    for block in frame.tool_blocks:
-        for loop in boundary_loops(block.cells):
-            face = PolyCollection(
-                [block.points[loop]], facecolor=TOOL_COLOUR, edgecolor="black", linewidth=0.8
-            )
-            face.set_zorder(0.5)
-            axes.add_collection(face, autolim=False)
-    for tool in frame.tool if not frame.tool_blocks else ():
-        outline = tool.outline(length)
-        far = outline[0] + outline[-1] - tool.centre
-        polygon = PolyCollection(
-            [np.vstack([outline, far])], facecolor=TOOL_COLOUR, edgecolor="black", linewidth=0.8
-        )
-        # Behind the body: a particle that penetrates by the penalty's share stays visible.
-        polygon.set_zorder(0.5)
-        axes.add_collection(polygon, autolim=False)
-
-
-def _save(figure: Figure, path: Path) -> Path:
-    temporary = path.with_name(path.name + ".tmp")
-    figure.savefig(temporary, format="png", dpi=DOTS_PER_INCH)
-    plt.close(figure)
-    os.replace(temporary, path)
-    return path

@@ -7,9 +7,11 @@ from pathlib import Path
 from types import TracebackType
 
 from pfemcut.method import Frame, Measures
-from pfemcut.output.directory import HISTORY, INPUTS, TIMING, writing
+from pfemcut.output.directory import CONTACT, HISTORY, INPUTS, TIMING, writing
 from pfemcut.output.vtu import FieldWriter
 from pfemcut.results.checkpoint import NAME, State, write_checkpoint
+from pfemcut.results.contact_table import append_contact
+from pfemcut.results.derived.tool_profiles import ToolLoads
 from pfemcut.results.history import TableWriter, history_row, truncate_table
 
 
@@ -35,6 +37,7 @@ class Recorder:
             (directory / INPUTS).write_text(inputs, encoding="utf-8")
             truncate_table(directory / HISTORY, last_step)
             truncate_table(directory / TIMING, last_step)
+            truncate_table(directory / CONTACT, last_step)
             self._fields = FieldWriter(directory, last_step)
             self._history = TableWriter(directory / HISTORY)
             self._timing = TableWriter(directory / TIMING)
@@ -43,6 +46,11 @@ class Recorder:
         """Append a history row."""
         with writing(self._directory):
             self._history.append(history_row(measures, own))
+
+    def contact(self, step: int, loads: ToolLoads) -> None:
+        """Append what the tool's surface feels after a step."""
+        with writing(self._directory):
+            append_contact(self._directory / CONTACT, step, loads)
 
     def times(self, step: int, seconds: Mapping[str, float]) -> None:
         """Append the wall times (s) of a step by phase."""

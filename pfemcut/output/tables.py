@@ -9,6 +9,7 @@ from pathlib import Path
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from pfemcut.whole_files import replacing
@@ -26,13 +27,14 @@ def write_csv(path: Path, header: Sequence[str], rows: Sequence[Sequence[object]
         writer.writerows(rows)
 
 
-def print_table(title: str, header: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-    """Print a table."""
-    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD)
-    for name in header:
-        table.add_column(name, justify="right")
+def print_table(title: str, header: Sequence[str], rows: Sequence[Sequence[str]], texts: int = 0) -> None:
+    """Print a table, the first ``texts`` columns aligned to the left."""
+    # Names that users chose may look like markup.
+    table = Table(title=escape(title), title_justify="left", box=SIMPLE_HEAD)
+    for index, name in enumerate(header):
+        table.add_column(escape(name), justify="left" if index < texts else "right")
     for row in rows:
-        table.add_row(*row)
+        table.add_row(*map(escape, row))
     console = Console()
     if not console.is_terminal:
         console = Console(width=LOG_WIDTH)

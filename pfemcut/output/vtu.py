@@ -7,7 +7,9 @@ can be made from the output directory alone.
 
 from __future__ import annotations
 
+import math
 import xml.etree.ElementTree as Xml
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -141,19 +143,30 @@ def other_mesh(block: Block, part: int) -> meshio.Mesh:
     return meshio.Mesh(_padded(block.points), [("triangle", block.cells)], point_data, cell_data)
 
 
-def read_last_frame(directory: Path) -> Frame:
-    """Read the last frame of an output directory back.
+def read_last_frame(directory: Path, until: float = math.inf) -> Frame:
+    """Read the last frame of an output directory back, or the last one up to the time ``until`` (s).
 
     Raises
     ------
     FieldsError
         If there is none or a file is damaged.
     """
-    entries = read_collection(directory)
+    entries = [entry for entry in read_collection(directory) if entry.time <= until * (1.0 + 1e-9)]
     if not entries:
         raise FieldsError(f"{directory / COLLECTION}: there are no fields")
     last = max(entry.step for entry in entries)
-    files = {entry.part: entry for entry in entries if entry.step == last}
+    return read_frame(directory, [entry for entry in entries if entry.step == last])
+
+
+def read_frame(directory: Path, entries: Sequence[Entry]) -> Frame:
+    """Read one frame back, whose files of the collection are ``entries``.
+
+    Raises
+    ------
+    FieldsError
+        If a file is damaged.
+    """
+    files = {entry.part: entry for entry in entries}
     body = _read(directory / files[BODY_PART].file)
     tool: tuple[RigidWedge, ...] = ()
     blocks: tuple[Block, ...] = ()
@@ -184,9 +197,9 @@ def read_last_frame(directory: Path) -> Frame:
         body.point_data["contact_pressure"][particles],
         body.point_data["contact_shear"][particles],
     )
-    time = files[BODY_PART].time
+    step, time = files[BODY_PART].step, files[BODY_PART].time
     loops = boundary_loops(cells)
-    return Frame(last, time, travel, points, cells, loops, point_fields, cell_fields, tool, contact, blocks)
+    return Frame(step, time, travel, points, cells, loops, point_fields, cell_fields, tool, contact, blocks)
 
 
 def _blocks(tool: meshio.Mesh) -> tuple[Block, ...]:

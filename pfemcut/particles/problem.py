@@ -178,6 +178,14 @@ class ParticleProblem:
     cut: tuple[Cut, ...] = ()
     gauges: tuple[Gauge, ...] = ()
 
+    def ends_stage(self, time: float) -> bool:
+        """Whether a stage ends at ``time`` (s); there is one only."""
+        return abs(time - self.time.end) <= 1e-9 * self.time.end
+
+    def cutting_at(self, time: float) -> bool:
+        """Whether a step that ended at ``time`` (s) belongs to a cut."""
+        return bool(self.cut) and time <= self.time.end * (1.0 + 1e-9)
+
     @property
     def dimension(self) -> int:
         """2 in the plane, 3 in space."""

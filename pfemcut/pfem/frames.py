@@ -31,7 +31,7 @@ def frame_of(problem: Problem, state: State, heat_blocks: tuple[HeatBlock, ...],
     tools = {tool.body for tool in problem.tool}
     conducting = tuple(
         Block(
-            block.mesh.points + state.clock.time * np.asarray(tool.velocity),
+            block.mesh.points + tool.displacement(state.clock.time),
             block.mesh.cells,
             {"temperature": state.tool_temperature},
         )
@@ -88,7 +88,7 @@ def _bodies(
 ) -> Iterator[Block]:
     """The bodies but the first; a tool's displacement is that from where it would be without load."""
     mesh = state.mesh
-    motion = {tool.body: state.clock.time * np.asarray(tool.velocity) for tool in problem.tool}
+    motion = {tool.body: tool.displacement(state.clock.time) for tool in problem.tool}
     every = zip(problem.bodies, mesh.particle_ranges, mesh.cell_ranges, strict=True)
     for body, particles, cells in list(every)[1:]:
         on_points = {name: values[particles] for name, values in point_fields.items()}

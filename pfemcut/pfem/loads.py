@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from meshing.mesh import Mesh
 from pfemcut.fem.momentum_system import NodalForces
 from pfemcut.pfem.kinematics import tributary_lengths
-from pfemcut.problem import Problem, Schedule
+from pfemcut.problem import PrescribedMotion, Problem, Schedule
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -23,6 +23,14 @@ def part_edges(problem: Problem, mesh: Mesh, part: str) -> IntArray:
 def part_particles(problem: Problem, mesh: Mesh, part: str) -> IntArray:
     """Particles on the boundary edges of ``part``."""
     return np.unique(part_edges(problem, mesh, part))
+
+
+def motion_particles(problem: Problem, mesh: Mesh, motion: PrescribedMotion) -> IntArray:
+    """Particles whose motion is prescribed."""
+    particles = part_particles(problem, mesh, motion.part)
+    if motion.corner:
+        particles = np.intersect1d(particles, part_particles(problem, mesh, motion.corner))
+    return particles
 
 
 def load_forces(problem: Problem, mesh: Mesh, displacement: Array, time: float) -> NodalForces:

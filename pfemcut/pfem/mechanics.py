@@ -30,7 +30,7 @@ from pfemcut.pfem.kinematics import (
     nodal_average,
     shape_gradients,
 )
-from pfemcut.pfem.loads import inertia_forces, load_forces, part_particles
+from pfemcut.pfem.loads import inertia_forces, load_forces, motion_particles
 from pfemcut.pfem.newton import Linearisation, solve_momentum, solve_with_friction
 from pfemcut.pfem.stabilisation import modulus_ratio
 from pfemcut.pfem.state import Fields
@@ -146,7 +146,7 @@ def prescribed_increments(
     fixed = np.zeros((len(mesh.points), 3), dtype=bool)
     value = np.zeros((len(mesh.points), 3))
     for motion in problem.motions:
-        particles = part_particles(problem, mesh, motion.part)
+        particles = motion_particles(problem, mesh, motion)
         fixed[particles, motion.axis.value] = True
         shape = motion.shape(mesh.points[particles] - displacement[particles])
         value[particles, motion.axis.value] = shape @ motion.increment(start_time, start_time + step)

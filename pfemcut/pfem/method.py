@@ -16,6 +16,7 @@ from pfemcut.method import Frame, Measures
 from pfemcut.pfem import energies
 from pfemcut.pfem.contact_view import contact_view
 from pfemcut.pfem.frames import frame_of
+from pfemcut.pfem.stages import entered, matching_reactions
 from pfemcut.pfem.state import (
     Clock,
     Fields,
@@ -97,7 +98,7 @@ class PfemMethod:
     @property
     def finished(self) -> bool:
         """Whether the final time is reached."""
-        return self._state.clock.time >= self._problem.time.end * (1.0 - 1e-12)
+        return self._state.clock.time >= self._problem.end * (1.0 - 1e-12)
 
     @property
     def current(self) -> State:
@@ -112,7 +113,9 @@ class PfemMethod:
     def advance(self) -> None:
         """Advance one step (see :func:`pfemcut.pfem.step.advance` for its errors)."""
         self._watch = Stopwatch(PHASES)
-        self._state, self._record = advance(self._problem, self._kernels, self._state, self._watch)
+        stage = self._problem.beginning(self._state.clock.time)
+        state = self._state if stage is self._stage else entered(self._stage, stage, self._state)
+        self._state, self._record = advance(stage, self._kernels, state, self._watch)
 
     def measure(self) -> Measures:
         """Core history columns after the last step."""
@@ -120,7 +123,7 @@ class PfemMethod:
         mesh, fields, clock, ledger = state.mesh, state.fields, state.clock, state.ledger
         elastic = energies.elastic_energy(problem, mesh, fields)
         kinetic = energies.kinetic_energy(problem, mesh, fields, clock.last_dt)
-        contact = contact_view(self._problem, self._state)
+        contact = contact_view(self._stage, state)
         return Measures(
             step=clock.step,
             time=clock.time,
@@ -145,8 +148,10 @@ class PfemMethod:
         problem, state, record = self._problem, self._state, self._record
         ledger = state.ledger
         content = energies.heat_content(problem, state.mesh, state.fields)
-        supplied = ledger.heat_generated + ledger.heat_supplied + max(-ledger.heat_to_tool, 0.0)
-        left = content + max(ledger.heat_to_tool, 0.0)
+        # What came, and what is there or has left: also a body that has cooled down has received its heat.
+        through = (ledger.heat_supplied, -ledger.heat_to_tool)
+        supplied = ledger.heat_generated + sum(max(heat, 0.0) for heat in through)
+        left = content + sum(max(-heat, 0.0) for heat in through)
         cut_area = sum(cut.depth for cut in problem.cut) * self._travel
         return {
             "elements": len(state.mesh.cells),
@@ -188,16 +193,22 @@ class PfemMethod:
 
     def frame(self) -> Frame:
         """Fields after the last step."""
-        return frame_of(self._problem, self._state, self._kernels.heat_blocks, self._travel)
+        return frame_of(self._stage, self._state, self._kernels.heat_blocks, self._travel)
 
     def state(self) -> Mapping[str, NDArray[np.generic]]:
         """All arrays that :meth:`restore` needs."""
         return to_arrays(self._state)
 
     @property
+    def _stage(self) -> Problem:
+        """The stage of the last step."""
+        return self._problem.ending(self._state.clock.time)
+
+    @property
     def _travel(self) -> float:
         speed = max((float(np.hypot(*tool.velocity)) for tool in self._problem.tool), default=0.0)
-        return speed * self._state.clock.time
+        # A tool that has withdrawn has not travelled farther.
+        return speed * min(self._state.clock.time, self._problem.time.end)
 
     def _energy_error(self, elastic: float, kinetic: float) -> float:
         """(W - sinks) / W, with the work of the tool and of prescribed motions."""
@@ -231,7 +242,8 @@ class PfemMethod:
     def _reactions(self) -> dict[str, float]:
         """Forces of the supports on the body (N/mm), and moments (N) where a motion has a gradient."""
         columns = {}
-        for motion, (force, *moments) in zip(self._problem.motions, self._state.last_reactions, strict=True):
+        reactions = matching_reactions(self._stage, self._problem, self._state.last_reactions)
+        for motion, (force, *moments) in zip(self._problem.motions, reactions, strict=True):
             component = f"{motion.part}_{motion.axis.name.lower()}"
             columns[f"reaction_{component}"] = float(force)
             if motion.gradient:

@@ -13,7 +13,7 @@ from pfemcut.pfem import energies
 from pfemcut.pfem.bodies import moduli, thermal_strains
 from pfemcut.pfem.body_contact import deformable_tools, force_within
 from pfemcut.pfem.kinematics import element_mean
-from pfemcut.pfem.loads import nodal_loads, part_particles
+from pfemcut.pfem.loads import motion_particles, nodal_loads
 from pfemcut.pfem.mechanics import Motion, PlasticUpdate
 from pfemcut.pfem.state import Fields, Ledger, State
 from pfemcut.pfem.step_size import flow_change
@@ -164,7 +164,7 @@ def _support_forces(problem: Problem, mesh: Mesh, fields: Fields, motion: Motion
     """Forces and moments of the supports, see :class:`StepRecord`; shape (motions, 3)."""
     supports = np.zeros((len(problem.motions), 3))
     for support, each in zip(supports, problem.motions, strict=True):
-        particles = part_particles(problem, mesh, each.part)
+        particles = motion_particles(problem, mesh, each)
         shape = each.shape(mesh.points[particles] - fields.displacement[particles])
         support[:] = motion.reactions[particles, each.axis.value] @ shape
     return supports

@@ -42,6 +42,7 @@ from pfemcut.problem.problem import (
     Problem,
     SelfContact,
 )
+from pfemcut.problem.relaxation import Cooling, Release, Withdrawal, relaxed
 
 __all__ = [
     "Axis",
@@ -52,6 +53,7 @@ __all__ = [
     "ContactLaw",
     "ContactPair",
     "Convection",
+    "Cooling",
     "Cut",
     "DistributedForce",
     "ElementTransfer",
@@ -68,12 +70,15 @@ __all__ = [
     "Pressure",
     "Probe",
     "Problem",
+    "Release",
     "Schedule",
     "SelfContact",
     "StabilisationModulus",
     "TimeControls",
     "Traction",
     "VolumetricHistory",
+    "Withdrawal",
     "constant",
     "fixed",
+    "relaxed",
 ]

@@ -57,6 +57,8 @@ class PrescribedMotion:
         Derivatives of the displacement by the initial position, x and y; none if the part moves as one.
     centre
         Initial position where the gradient adds nothing (mm).
+    corner
+        Another part, if only the particles that both share move so.
     """
 
     part: str
@@ -64,6 +66,7 @@ class PrescribedMotion:
     displacement: Schedule
     gradient: tuple[Schedule, ...] = ()
     centre: tuple[float, float] = (0.0, 0.0)
+    corner: str = ""
 
     def increment(self, start: float, end: float) -> NDArray[np.float64]:
         """Change from time ``start`` to ``end`` (s) of the displacement and of its gradient, x and y; shape (3,)."""
@@ -75,9 +78,9 @@ class PrescribedMotion:
         return np.column_stack([np.ones(len(initial)), initial - np.asarray(self.centre)])
 
 
-def fixed(part: str, axis: Axis) -> PrescribedMotion:
-    """A boundary part held in one direction."""
-    return PrescribedMotion(part, axis, constant(0.0))
+def fixed(part: str, axis: Axis, corner: str = "") -> PrescribedMotion:
+    """A boundary part, or its ``corner`` with another, held in one direction."""
+    return PrescribedMotion(part, axis, constant(0.0), corner=corner)
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from enum import Enum
 
+import numpy as np
+from numpy.typing import NDArray
+
 from meshing.initial import Arc
 from meshing.mesh import Mesh
 from meshing.sizes import SizeField
@@ -23,6 +26,8 @@ from pfemcut.problem.conditions import (
 )
 from pfemcut.problem.controls import NewtonControls, ParticleControls, StabilisationModulus, TimeControls
 from pfemcut.tools.rigid_wedge import RigidWedge
+
+_SAME = 1e-12  # relative difference of times that are one
 
 
 @dataclass(frozen=True)
@@ -112,13 +117,15 @@ class MovingTool:
     shape
         The tool at time zero.
     velocity
-        Constant (mm/s).
+        Constant (mm/s), in this stage of the problem.
     temperature
         Of the tool, or at the start and of its holder if it conducts (K).
     conductor
         Its block if it conducts heat, else none: then it keeps its temperature.
     body
         Name of the body that it is, if it is deformable: then the shape is that of the tool without load.
+    since, shift
+        Time when the stage began (s), and the displacement until then (mm).
     """
 
     shape: RigidWedge
@@ -126,13 +133,21 @@ class MovingTool:
     temperature: float = 293.15
     conductor: tuple[Conductor, ...] = ()
     body: str = ""
+    since: float = 0.0
+    shift: tuple[float, float] = (0.0, 0.0)
+
+    def displacement(self, time: float) -> NDArray[np.float64]:
+        """Displacement from time zero to ``time`` (s), in this stage (mm); shape (2,)."""
+        return np.asarray(self.shift) + np.asarray(self.velocity) * (time - self.since)
 
     def at(self, time: float) -> RigidWedge:
         """The tool at ``time`` (s)."""
-        x, y = self.shape.centre
-        vx, vy = self.velocity
-        centre = (x + vx * time, y + vy * time)
-        return RigidWedge(centre, self.shape.rake, self.shape.clearance, self.shape.tip_radius)
+        return self.shape.moved(self.displacement(time))
+
+    def going_on(self, time: float, velocity: tuple[float, float]) -> MovingTool:
+        """The tool in the stage that begins at ``time`` (s), moving with another ``velocity`` (mm/s)."""
+        x, y = self.displacement(time)
+        return replace(self, velocity=velocity, since=time, shift=(float(x), float(y)))
 
 
 @dataclass(frozen=True)
@@ -264,6 +279,8 @@ class Problem:
         Contacts between bodies.
     self_contact
         How bodies touch themselves; none if that is not treated.
+    after
+        The problems that take over when this one has ended, one after the other: later stages, with the same bodies.
     """
 
     title: str
@@ -288,6 +305,30 @@ class Problem:
     others: tuple[Body, ...] = ()
     pairs: tuple[ContactPair, ...] = ()
     self_contact: tuple[SelfContact, ...] = ()
+    after: tuple[Problem, ...] = ()
+
+    @property
+    def end(self) -> float:
+        """Final time of the last stage (s)."""
+        return (self, *self.after)[-1].time.end
+
+    def ends_stage(self, time: float) -> bool:
+        """Whether a stage ends at ``time`` (s)."""
+        return any(abs(time - stage.time.end) <= _SAME * stage.time.end for stage in (self, *self.after))
+
+    def cutting_at(self, time: float) -> bool:
+        """Whether a step that ended at ``time`` (s) belongs to the first stage."""
+        return self.ending(time) is self
+
+    def ending(self, time: float) -> Problem:
+        """The stage of a step that ended at ``time`` (s)."""
+        stages = (self, *self.after)
+        return next((stage for stage in stages if time <= stage.time.end * (1.0 + _SAME)), stages[-1])
+
+    def beginning(self, time: float) -> Problem:
+        """The stage of a step that begins at ``time`` (s)."""
+        stages = (self, *self.after)
+        return next((stage for stage in stages if time < stage.time.end * (1.0 - _SAME)), stages[-1])
 
     @property
     def bodies(self) -> tuple[Body, ...]:

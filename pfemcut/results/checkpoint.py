@@ -27,7 +27,7 @@ VERSION = 2
 NAME = "checkpoint.h5"
 PREVIOUS = "checkpoint.previous.h5"
 
-FREE_TO_CHANGE = ("cutting.travel", "output")
+FREE_TO_CHANGE = ("cutting.travel", "after", "output", "tool.wear")
 """Keys (or whole tables) of a case that may differ on resume. The number of ranks is no part of a case."""
 
 
@@ -163,8 +163,30 @@ def require_same_case(stored: str, wanted: str) -> None:
     changes = changed_keys(stored, wanted)
     if changes:
         raise CheckpointError(
-            "only travel, output and the number of ranks may change on resume, but: " + "; ".join(changes)
+            "only travel, output, [after], wear constants and the number of ranks may change on resume, but: "
+            + "; ".join(changes)
         )
+
+
+def require_still_cutting(stored: str, wanted: str, time: float) -> None:
+    """Raise :class:`CheckpointError` if travel or what comes after it changes for a tool that has withdrawn.
+
+    Parameters
+    ----------
+    stored, wanted
+        Resolved cases (TOML text) of the checkpoint and of the run.
+    time
+        Of the checkpoint (s).
+    """
+    before, now = tomllib.loads(stored), tomllib.loads(wanted)
+    if "after" not in before:
+        return
+    cutting = before["cutting"]
+    if time <= cutting["travel"] / cutting["speed"] * (1.0 + 1e-9):
+        return
+    changed = cutting["travel"] != now["cutting"]["travel"] or before["after"] != now.get("after")
+    if changed:
+        raise CheckpointError("the tool has withdrawn: neither travel nor [after] may change any more")
 
 
 def _free(key: str) -> bool:

@@ -11,6 +11,8 @@ class Taken(Enum):
 
     WINDOW = "mean and standard deviation over the steady window"
     LAST = "last row"
+    FRAME = "last frame, after unloading"
+    INSTANTS = "mean and standard deviation over the instants recorded in the steady window"
 
 
 @dataclass(frozen=True)
@@ -20,7 +22,7 @@ class Definition:
     Attributes
     ----------
     name
-        Key in ``summary.json`` and, unless the summary computes it, column of ``history.csv``.
+        Key in ``summary.json`` and, unless the summary or the profiles compute it, column of ``history.csv``.
     label
         What the report calls it.
     unit
@@ -28,7 +30,7 @@ class Definition:
     meaning
         Definition in one sentence.
     taken
-        How it comes from the history.
+        How it comes from the history, or from the contact records.
     """
 
     name: str
@@ -37,6 +39,95 @@ class Definition:
     meaning: str
     taken: Taken = Taken.WINDOW
 
+
+def _left(name: str, label: str, unit: str, meaning: str) -> Definition:
+    return Definition(name, label, unit, meaning, Taken.FRAME)
+
+
+SURFACE_FIGURES = (
+    _left(
+        "residual_surface_xx",
+        "Residual stress at the surface, xx",
+        "MPa",
+        "Along the cut, at depth 0; mean and standard deviation along the machined surface.",
+    ),
+    _left("residual_surface_zz", "Residual stress at the surface, zz", "MPa", "Likewise out of plane."),
+    _left(
+        "residual_surface_yy",
+        "Residual stress at the surface, yy",
+        "MPa",
+        "Likewise normal to the surface: zero, if the mesh resolved it.",
+    ),
+    _left(
+        "residual_compression",
+        "Smallest residual stress, xx",
+        "MPa",
+        "Of the mean profile: the largest compression, if negative.",
+    ),
+    _left(
+        "residual_compression_depth",
+        "Where: below the surface",
+        "mm",
+        "Depth of the smallest residual stress.",
+    ),
+    _left(
+        "residual_tension", "Largest residual stress, xx", "MPa", "Of the mean profile: the largest tension."
+    ),
+    _left(
+        "residual_tension_depth", "Where: below the surface", "mm", "Depth of the largest residual stress."
+    ),
+    _left(
+        "residual_affected_depth",
+        "Depth affected by residual stress",
+        "mm",
+        "Below it the size of xx stays under a tenth of its largest.",
+    ),
+    _left(
+        "surface_plastic_strain",
+        "Plastic strain at the surface",
+        "-",
+        "Equivalent plastic strain at depth 0; mean and standard deviation along the machined surface.",
+    ),
+    _left(
+        "deformed_depth", "Deformed depth", "mm", "Below it the equivalent plastic strain stays under 0.01."
+    ),
+    _left(
+        "residual_section_force",
+        "Force of a section",
+        "N/mm",
+        "Integral of xx from the bottom to the machined surface, which the clamps carry; 0 if they let go.",
+    ),
+    _left("residual_section_size", "Force of a section, of sizes", "N/mm", "The same of the size of xx."),
+    _left(
+        "residual_window_begin",
+        "Window of the machined surface, begin",
+        "mm",
+        "x of its end near the tool: two depths of cut behind the tool's last place.",
+    ),
+    _left(
+        "residual_window_end",
+        "Window of the machined surface, end",
+        "mm",
+        "x of its end near the entry: the larger of 0.2 mm and two depths of cut from the edge.",
+    ),
+    _left("residual_warmest", "Temperature left", "K", "Largest of the mean profile."),
+    _left(
+        "burr_height",
+        "Burr height",
+        "mm",
+        "From the end face, along the cut, to the neck at which the chip hangs on the burr.",
+    ),
+    _left(
+        "burr_root_thickness",
+        "Burr thickness at the root",
+        "mm",
+        "Vertical thickness where the burr leaves the end face.",
+    ),
+    _left(
+        "burr_neck_thickness", "Burr thickness at the neck", "mm", "Vertical thickness where the chip begins."
+    ),
+    _left("burr_overhang", "Overhang", "mm", "Farthest material from the end face, with the chip."),
+)
 
 FIGURES = (
     Definition("cutting_force", "Cutting force", "N/mm", "Force on the tool against its motion, per width."),
@@ -189,6 +280,44 @@ FIGURES = (
         "Mean over the tip circle, against the motion positive; from where the tool would be without load.",
     ),
     Definition("tool_tip_deflection_y", "Deflection of the tip, y", "mm", "Likewise, upwards positive."),
+    Definition(
+        "profile_cutting_force",
+        "Cutting force of the tool profiles",
+        "N/mm",
+        "What pressure and shear along the tool add up to at the instants that the profiles are means of.",
+        Taken.INSTANTS,
+    ),
+    Definition(
+        "profile_thrust_force", "Thrust force of the tool profiles", "N/mm", "Likewise.", Taken.INSTANTS
+    ),
+    Definition(
+        "crater_wear_rate",
+        "Largest wear rate on the rake face",
+        "mm/s",
+        "By Usui's law, with the constants of the case, of a fresh tool at the temperature of this cut.",
+        Taken.INSTANTS,
+    ),
+    Definition(
+        "crater_wear_position",
+        "Where: up the rake face",
+        "mm",
+        "Of the largest mean wear rate, from the rake tangent point.",
+        Taken.INSTANTS,
+    ),
+    Definition(
+        "edge_wear_rate",
+        "Largest wear rate on the edge",
+        "mm/s",
+        "Likewise, on the tip circle's arc.",
+        Taken.INSTANTS,
+    ),
+    Definition(
+        "flank_wear_rate",
+        "Mean wear rate on the flank face",
+        "mm/s",
+        "Likewise, mean over the length of the flank that is in contact at any instant.",
+        Taken.INSTANTS,
+    ),
     Definition("peak_strain_rate", "Peak plastic strain rate", "1/s", "Largest of all elements."),
     Definition("max_eqps", "Maximum equivalent plastic strain", "-", "Largest of all elements."),
     Definition(
@@ -220,4 +349,5 @@ FIGURES = (
         Taken.LAST,
     ),
     Definition("mass_drift", "Mass drift", "-", "Relative change of the integral of density.", Taken.LAST),
+    *SURFACE_FIGURES,
 )

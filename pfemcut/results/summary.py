@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import importlib.metadata
+import json
 import math
 import platform
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -100,6 +102,7 @@ def summarise(
     depth: float = math.nan,
     rake: float = math.nan,
     warnings: Sequence[str] = (),
+    profile_figures: Mapping[str, Mapping[str, float | str]] = MappingProxyType({}),
 ) -> Summary:
     """Build the summary of a history.
 
@@ -113,6 +116,8 @@ def summarise(
         Depth of cut (mm) and rake angle (degrees); nan if the problem isn't a cut.
     warnings
         What the run has to add to the summary's own warnings.
+    profile_figures
+        Figures of the profiles along the tool, by name.
     """
     columns = dict(history)
     rows = columns["step"].size
@@ -125,11 +130,12 @@ def summarise(
         columns["apparent_friction"] = apparent_friction(
             columns["cutting_force"], columns["thrust_force"], rake
         )
-    figures = {
+    figures: dict[str, Mapping[str, float | str]] = {
         item.name: _figure(item, columns[item.name], window)
         for item in FIGURES
         if rows and item.name in columns and np.isfinite(columns[item.name]).any()
     }
+    figures |= profile_figures
     total = timing.get("total", np.zeros(0))
     return Summary(
         title=title,
@@ -154,6 +160,13 @@ def write_summary(path: Path, summary: Summary) -> None:
     """Write ``summary.json``, at once."""
     # JSON has no nan: figures without a value aren't there.
     write_json(path, summary.to_json())
+
+
+def update_summary(path: Path, figures: Mapping[str, Mapping[str, float | str]]) -> None:
+    """Put ``figures`` into an existing ``summary.json``, first those that were not there."""
+    content = json.loads(path.read_text(encoding="utf-8"))
+    if any(content.get(name) != figure for name, figure in figures.items()):
+        write_json(path, {**figures, **content, **figures})
 
 
 def figure_mean(summary: Mapping[str, Any], name: str) -> float:

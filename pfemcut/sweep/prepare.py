@@ -88,10 +88,7 @@ def prepared(plan: Plan) -> tuple[Prepared, ...]:
         case = directed(case, directory)
         problem_of(case, material, folder)
         resolved = tomllib.loads(resolved_toml(case, material))
-        parameters = {
-            key: variant.values[key] if key in variant.values else _looked_up(key, table, resolved)
-            for key in keys
-        }
+        parameters = {key: _parameter(key, variant.values, table, resolved) for key in keys}
         return Prepared(variant, case, material, folder, directory, parameters)
 
     made: list[Prepared] = []
@@ -167,6 +164,13 @@ def _travel(variant: Prepared) -> float:
     """Travel (mm) of the case of the run in the variant's folder; 0 without one."""
     path = variant.directory / INPUTS
     return float(read_toml(path).get("cutting", {}).get("travel", 0.0)) if path.is_file() else 0.0
+
+
+def _parameter(key: str, given: Values, table: Mapping[str, Any], resolved: Mapping[str, Any]) -> Any:
+    """The value at ``key`` that a variant has; text with a unit as the plain number that became of it."""
+    value = given[key] if key in given else _looked_up(key, table, resolved)
+    plain = _looked_up(key, resolved) if isinstance(value, str) else None
+    return plain if isinstance(plain, float) else value
 
 
 def _looked_up(key: str, *tables: Mapping[str, Any]) -> Any:

@@ -52,25 +52,60 @@ def run_sweep(plan: Plan, jobs: int, *, overwrite: bool, say: Say) -> None:
     SweepStopped
         At the end, if a variant did not finish, or after a signal.
     """
-    if under_mpirun():
-        raise InputError(["a sweep starts its own processes: call it without mpirun, or with --index"])
+    _conclude(plan, outcomes_of(run_variants(plan, jobs, overwrite=overwrite, say=say)), say)
+
+
+def run_variants(plan: Plan, jobs: int, *, overwrite: bool, say: Say) -> tuple[Prepared, ...]:
+    """Run what is not finished, without table and plot; parameters and errors as of :func:`run_sweep`.
+
+    A variant that did not finish raises nothing here: see :func:`require_finished`.
+    """
+    require_no_launcher()
     variants = prepared(plan)
     if not overwrite:
         require_unchanged(variants)
-    before = states(variants)
-    _say_state(plan, variants, before, say)
-    todo = [each for each, state in zip(variants, before, strict=True) if state is not State.FINISHED]
+    _say_state(plan, variants, states(variants), say)
     begun = time.monotonic()
+    ran = run_unfinished(variants, jobs, overwrite=overwrite)
+    if ran:
+        took = duration(time.monotonic() - begun)
+        say(f"ran {ran} variants in {took}, {min(jobs, ran)} at a time")
+    return variants
+
+
+def require_no_launcher() -> None:
+    """Raise :class:`InputError` under mpirun, whose ranks would each start the processes of a study."""
+    if under_mpirun():
+        raise InputError(
+            ["a study starts its own processes: call it without mpirun (one variant of a sweep with --index)"]
+        )
+
+
+def run_unfinished(variants: Sequence[Prepared], jobs: int, *, overwrite: bool) -> int:
+    """Run what is not finished, a few variants at a time; how many were run.
+
+    Raises
+    ------
+    SweepStopped
+        After a signal.
+    """
+    before = states(variants)
+    todo = [each for each, state in zip(variants, before, strict=True) if state is not State.FINISHED]
     ended = _run_all(todo, min(jobs, len(todo)), overwrite=overwrite)
     if ended.signal:
         name, finished = signal.Signals(ended.signal).name, states(variants).count(State.FINISHED)
         raise SweepStopped(
             f"stopped by {name}, {finished} of {len(variants)} variants finished; the same command goes on"
         )
-    if todo:
-        took = duration(time.monotonic() - begun)
-        say(f"ran {len(todo)} variants in {took}, {min(jobs, len(todo))} at a time")
-    _conclude(plan, outcomes_of(variants), say)
+    return len(todo)
+
+
+def require_finished(outcomes: Sequence[Outcome]) -> None:
+    """Raise :class:`SweepStopped`, with their names, if some did not finish."""
+    missing = [each for each in outcomes if not each.finished]
+    if missing:
+        texts = [f"{each.variant.name} {each.status}" for each in missing]
+        raise SweepStopped(f"{len(missing)} of {len(outcomes)} variants did not finish: {', '.join(texts)}")
 
 
 def listed(variants: Sequence[Prepared]) -> list[str]:
@@ -166,7 +201,4 @@ def _conclude(plan: Plan, outcomes: Sequence[Outcome], say: Say) -> None:
     print_results(plan, outcomes)
     for path in (plan.output / CSV, plan.output / JSON, *plots):
         say(str(path))
-    missing = [each for each in outcomes if not each.finished]
-    if missing:
-        texts = [f"{each.variant.name} {each.status}" for each in missing]
-        raise SweepStopped(f"{len(missing)} of {len(outcomes)} variants did not finish: {', '.join(texts)}")
+    require_finished(outcomes)

@@ -74,7 +74,7 @@ def read_plan(
         With one line for each problem found.
     """
     table = read_toml(path)
-    settings = {key: toml_value(text) for key, text in _split(common, "--set", "value").items()}
+    settings = settings_of(common)
     if is_study(table):
         if vary or zipped:
             raise InputError([f"{path}: has the parameters already; --vary and --zip are for a case file"])
@@ -93,6 +93,11 @@ def read_plan(
     if both:
         raise InputError(f"--set: '{key}' is varied" for key in both)
     return replace(plan, common={**plan.common, **settings}, output=output or plan.output)
+
+
+def settings_of(common: Sequence[str]) -> dict[str, Any]:
+    """Values by key of the ``section.key=value`` given with ``--set``."""
+    return {key: toml_value(text) for key, text in _split(common, "--set", "value").items()}
 
 
 def _plan_of(path: Path, table: Mapping[str, Any]) -> Plan:

@@ -19,11 +19,10 @@ from pathlib import Path
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from pfemcut.converge.order import grid_convergence_index
 from pfemcut.inputs import InputError, explained, read_toml
 from pfemcut.validation.study import Outcome
 
-SAFETY = 1.25
-"""Of the grid convergence index."""
 ORDER = 1.0
 """Assumed of the error in the mesh size and in the step; two runs don't show it."""
 WINDOW_DEVIATIONS = 2.0
@@ -141,8 +140,8 @@ def load_measurements(path: Path) -> dict[str, dict[str, Figure]]:
 
 
 def convergence_index(fine: float, coarse: float, ratio: float) -> float:
-    """Grid convergence index of the fine value, relative to it: safety |coarse/fine − 1| / (ratio^order − 1)."""
-    return SAFETY * abs(coarse / fine - 1.0) / (ratio**ORDER - 1.0)
+    """Grid convergence index of the fine value, relative to it, with the assumed order."""
+    return grid_convergence_index(fine, coarse, ratio, ORDER)
 
 
 def half_width(value: float, relative_parts: Sequence[float], window_deviation: float) -> float:

@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from pfemcut.contact.friction import Array, Interface, Shear
+from pfemcut.input_table import InputTable
 
 _ROOT_3 = np.sqrt(3.0)
 
@@ -20,14 +21,12 @@ class Strength:
     by_pressure: Array
 
 
-class LawModel(BaseModel):
+class LawModel(InputTable):
     """Base of the friction laws; a subclass in a module of this package is found and offered by name.
 
     A subclass declares ``law: Literal["its-name"]``, its constants with units, and ``strength``. The shear traction
     is then strength tanh(v / V_ref), eq. 26 of the paper with the strength instead of mu P_N.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
     @property
     def frictionless(self) -> bool:

@@ -6,21 +6,22 @@ from itertools import pairwise
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, Strict, model_validator
+from pydantic import Field, Strict, model_validator
 
 from pfemcut.contact.friction import Array, Interface
 from pfemcut.contact.friction_laws.base import LimitedLaw, Strength
+from pfemcut.input_table import InputTable
 
 _NotNegative = Annotated[float, Field(ge=0)]
 
 
-class Points(BaseModel):
+class Points(InputTable):
     """A piecewise linear function, constant beyond its ends, as ``{at = [...], value = [...]}``."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
-
     at: Annotated[tuple[_NotNegative, ...], Strict(False)] = Field(description="Increasing arguments")
-    value: Annotated[tuple[_NotNegative, ...], Strict(False)] = Field(description="Values there")
+    value: Annotated[tuple[_NotNegative, ...], Strict(False)] = Field(
+        description="Values there (dimensionless)"
+    )
 
     @model_validator(mode="after")
     def _is_a_function(self) -> Self:

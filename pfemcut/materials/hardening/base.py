@@ -5,18 +5,16 @@ from __future__ import annotations
 from typing import ClassVar
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict
 
+from pfemcut.input_table import InputTable
 from pfemcut.materials.material import Array, FlowStress
 
 
-class LawModel(BaseModel):
+class LawModel(InputTable):
     """Base of the hardening laws; a subclass in a module of this package is found and offered by name.
 
     A subclass declares ``law: Literal["its-name"]``, its constants with units, and ``flow_stress``.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
     FLOOR: ClassVar[float] = 1e-3
     """Smallest flow stress, as a fraction of the initial yield stress."""

@@ -7,11 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pfemcut.method import Frame
+from pfemcut.method import Block, Frame
 from pfemcut.results.derived.contact_length import temperature
 from pfemcut.results.derived.tool_state import without_load
+from pfemcut.tools.rigid_wedge import RigidWedge
 
 Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 _ON_SURFACE = 0.02  # of the tip radius: the edges of a mesh may touch the tip circle from outside
 
@@ -39,12 +41,18 @@ class ToolProfile:
 def tool_surface_temperature(frame: Frame) -> tuple[Array, Array]:
     """Arc length (mm), rising, and temperature (K) of the surface of a tool that conducts heat; both empty without."""
     for tool, block in zip(frame.tool, frame.tool_blocks, strict=False):
-        points = without_load(block)
-        on_surface = np.abs(tool.closest(points).gap) < _ON_SURFACE * tool.tip_radius
-        arc = tool.arc_length(points[on_surface])
-        order = np.argsort(arc, kind="stable")
-        return arc[order], np.asarray(block.point_fields["temperature"], dtype=np.float64)[on_surface][order]
+        particles, arc = tool_surface(tool, block)
+        return arc, np.asarray(block.point_fields["temperature"], dtype=np.float64)[particles]
     return np.empty(0), np.empty(0)
+
+
+def tool_surface(tool: RigidWedge, block: Block) -> tuple[IntArray, Array]:
+    """Particles of a tool's mesh on its rake face, edge and flank, and their arc lengths (mm), rising; (k,) each."""
+    points = without_load(block)
+    particles = np.flatnonzero(np.abs(tool.closest(points).gap) < _ON_SURFACE * tool.tip_radius)
+    arc = tool.arc_length(points[particles])
+    order = np.argsort(arc, kind="stable")
+    return particles[order], arc[order]
 
 
 def tool_profile(frame: Frame) -> ToolProfile:

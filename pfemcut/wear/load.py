@@ -1,0 +1,104 @@
+"""Wear constants: their schema, the library, and the way from a case file to :class:`UsuiWear` and back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib import resources
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, Strict, ValidationError
+
+from pfemcut.inputs import InputError, explained, nearest, read_toml
+from pfemcut.wear.usui import Constants, UsuiWear
+
+SECTION = "tool.wear"
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+    A: float = Field(gt=0, description="Usui's factor A (1/MPa)")
+    B: float = Field(ge=0, description="Usui's temperature B (K)")
+
+
+class AboveTable(_Table):
+    """Other constants from a temperature on."""
+
+    temperature: float = Field(gt=0, description="Temperature from which they hold (K)")
+
+
+class WearTable(_Table):
+    """Constants of Usui's wear rate A σ v exp(−B/T) for a pair of tool and workpiece material."""
+
+    name: str = Field(default="", description="Name for reports")
+    source: str = Field(default="", description="Where the constants come from")
+    checked: str = Field(default="", description="Against what they were checked")
+    notes: Annotated[tuple[str, ...], Strict(False)] = Field(default=(), description="What a user must know")
+    above: AboveTable | None = Field(
+        default=None, description="Table of other constants from a temperature on"
+    )
+
+
+def wear_names() -> list[str]:
+    """Names of the library's pairs."""
+    folder = resources.files("pfemcut.wear") / "library"
+    return sorted(
+        entry.name.removesuffix(".toml") for entry in folder.iterdir() if entry.name.endswith(".toml")
+    )
+
+
+def wear_table(spec: str | Mapping[str, Any], base_directory: Path) -> dict[str, Any]:
+    """The table of constants that a case file asks for, checked and complete.
+
+    Parameters
+    ----------
+    spec
+        A library name, a path to a TOML file (relative ones start at ``base_directory``), or a table.
+    base_directory
+        Folder of the case file.
+
+    Raises
+    ------
+    InputError
+        If there are no such constants or they are not valid.
+    """
+    origin, section = "", SECTION
+    if isinstance(spec, str):
+        table, origin = _named(spec, base_directory)
+        section = ""
+    else:
+        table = dict(spec)
+    try:
+        found = WearTable.model_validate(table).model_dump(exclude_none=True)
+    except ValidationError as error:
+        problems = explained(error, WearTable, section)
+        raise InputError(f"{origin}: {line}" if origin else line for line in problems) from None
+    return {**found, "notes": list(found["notes"])}
+
+
+def wear_of(table: Mapping[str, Any]) -> UsuiWear:
+    """The law of a table of constants (:func:`wear_table`)."""
+    given = WearTable.model_validate(dict(table))
+    above = [] if given.above is None else [given.above]
+    return UsuiWear(
+        name=given.name or "unnamed",
+        ranges=(
+            Constants(0.0, given.A, given.B),
+            *(Constants(each.temperature, each.A, each.B) for each in above),
+        ),
+        source=given.source,
+        checked=given.checked,
+    )
+
+
+def _named(name: str, base_directory: Path) -> tuple[dict[str, Any], str]:
+    """Table of the library or of a file, and what messages call it."""
+    if name in wear_names():
+        with resources.as_file(resources.files("pfemcut.wear") / "library" / f"{name}.toml") as path:
+            return read_toml(path), f"wear constants '{name}'"
+    path = base_directory / name
+    if name.endswith(".toml") or path.is_file():
+        return read_toml(path), str(path)
+    hint = nearest(name, wear_names())
+    raise InputError([f"[tool] wear: unknown pair '{name}'{hint} (or a path to a .toml file)"])
