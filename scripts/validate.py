@@ -56,7 +56,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             for process in running:
                 process.wait()
             return 130
-    for page in ("results_table.py", "verification_page.py", "validation_page.py"):
+    for page in ("results_table.py", "predictions_tables.py", "verification_page.py", "validation_page.py"):
         subprocess.run([sys.executable, str(ROOT / "scripts" / page)], check=True)
     return max(results)
 

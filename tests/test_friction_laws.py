@@ -63,7 +63,7 @@ def shear(
     stress: float = 800.0,
     last: float | None = None,
 ) -> Shear:
-    """Of a contact that slipped as fast in the last step, unless ``last`` says otherwise."""
+    """Of a contact known to slip as fast, unless ``last`` says otherwise."""
     given = (pressure, speed, speed if last is None else last, temperature, stress)
     p, v, before, t, s = np.broadcast_arrays(*(np.atleast_1d(np.asarray(x, float)) for x in given))
     return law.shear(Interface(p, v, before, t, s), V_REF)

@@ -59,7 +59,7 @@ def cutting_case(folder: Path, overrides: tuple[str, ...] = ()) -> Case:
 @pytest.mark.parametrize("name", SETS)
 def test_the_cuts_are_those_that_were_measured(name: str) -> None:
     module = script(name)
-    planned = {cut.name: cut for cut in module.CUTS}
+    planned = {cut.name: cut for cut in module.PREDICTED.cuts}
     assert {(cut.depth, cut.speed) for cut in planned.values()} == SETS[name]
     assert set(load_measurements(DEMOS / name / "measured.toml")) <= set(planned)
     runs = {variant.name: variant for variant in module.STUDY.variants}
@@ -77,7 +77,7 @@ def test_the_cuts_are_those_that_were_measured(name: str) -> None:
 def test_the_case_file_is_the_base_cut(name: str) -> None:
     module = script(name)
     alone = cutting_case(DEMOS / name)
-    base = next(variant for variant in module.STUDY.variants if variant.name == module.BASE.name)
+    base = next(variant for variant in module.STUDY.variants if variant.name == module.PREDICTED.base.name)
     varied = cutting_case(DEMOS / name, planned_changes(base))
     for section in ("workpiece", "tool", "cutting", "contact", "mesh", "time"):
         given, changed = getattr(alone, section).model_dump(), getattr(varied, section).model_dump()

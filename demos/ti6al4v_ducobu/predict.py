@@ -6,43 +6,32 @@ One cut is repeated with a coarser mesh and with longer steps, from which the un
 coarser mesh it shows what each choice moves. It concludes from the runs that are there; README.md says what is assumed.
 """
 
-from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
-from pfemcut.validation.prediction import (
-    PlannedCut,
-    cut_changes,
-    load_measurements,
-    numerical_parts,
-    predicted,
-)
-from pfemcut.validation.prediction_tables import write_predictions, write_sensitivities
-from pfemcut.validation.study import Outcome, Study, Variant, finite, main
+from pfemcut.validation.prediction import PlannedCut, cut_changes, planned
+from pfemcut.validation.prediction_study import MESH_RATIO, CutAgain, PredictedSet
+from pfemcut.validation.study import main
 
 FOLDER = Path(__file__).resolve().parent
 TIP_SIZE = 0.004  # mm
-RATIO = 2.0**0.5
-STEP_RATIO = 2.0
-SHEAR_LIMIT = 576.0
+LIMIT = "shear_limit = 576.0"
 # By cutting speed (m/min), of the paper: friction coefficient and heat fraction beta, read as the tool's share.
 FRICTION = {5.0: 0.24, 7.5: 0.22, 10.0: 0.21, 20.0: 0.19, 30.0: 0.18, 40.0: 0.17}
 TOOL_SHARE = {5.0: 1.00, 7.5: 0.89, 10.0: 0.80, 20.0: 0.63, 30.0: 0.55, 40.0: 0.50}
 
 
-def planned(micrometres: int, speed: float) -> PlannedCut:
-    return PlannedCut(f"{micrometres}um_{speed:g}", micrometres / 1000.0, speed)
+def slow(cut: PlannedCut) -> bool:
+    """Whether the chip thickens for long before it is steady."""
+    return cut.speed < 30.0
 
 
 def travel(cut: PlannedCut) -> float:
-    """8 depths, with at least 0.16 mm of window (it begins after 0.2 mm)."""
-    return max(8.0 * cut.depth, 0.36)
+    """20 depths if slow, else 8 with at least 0.16 mm of window (it begins after 0.2 mm)."""
+    return 20.0 * cut.depth if slow(cut) else max(8.0 * cut.depth, 0.36)
 
 
-BASE = planned(60, 30.0)
-FIRST = tuple(planned(depth, speed) for depth in (60, 40, 80) for speed in (5.0, 10.0, 30.0))
-REST = tuple(planned(depth, speed) for depth in (60, 40, 80) for speed in (7.5, 20.0, 40.0))
-CUTS = FIRST + REST
+BASE, SLOW = planned(60, 30.0), planned(60, 5.0)
+CUTS = tuple(planned(depth, speed) for depth in (40, 60, 80) for speed in FRICTION)
 
 
 def limited(coefficient: float, limit: str) -> str:
@@ -53,77 +42,40 @@ def changes(cut: PlannedCut, mesh_factor: float = 1.0, step_factor: float = 1.0)
     return (
         f'title="Ti6Al4V, {1000.0 * cut.depth:g} um, {cut.speed:g} m/min"',
         *cut_changes(cut, TIP_SIZE, mesh_factor, step_factor),
-        limited(FRICTION[cut.speed], f"shear_limit = {SHEAR_LIMIT}"),
+        *((f"workpiece.length={40.0 * cut.depth:.6g}",) if slow(cut) else ()),
+        limited(FRICTION[cut.speed], LIMIT),
         f"contact.heat_partition={1.0 - TOOL_SHARE[cut.speed]:.6g}",
     )
 
 
-def sensitivity(name: str, *different: str) -> Variant:
-    return Variant(name, (*changes(BASE, mesh_factor=RATIO), *different), travel(BASE))
-
-
-COARSE = sensitivity("mesh_coarse")
-LONG = Variant("step_long", changes(BASE, step_factor=STEP_RATIO), travel(BASE))
-SENSITIVITIES = (
-    sensitivity("frictionless", "contact.friction=0.0"),
-    sensitivity("coulomb", f"contact.friction={FRICTION[30.0]}"),
-    sensitivity("friction_doubled", limited(2.0 * FRICTION[30.0], f"shear_limit = {SHEAR_LIMIT}")),
-    sensitivity("limit_own_strength", limited(FRICTION[30.0], "shear_factor = 1.0")),
-    sensitivity("adiabatic_tool", "contact.conductance=0.0", "contact.heat_partition=1.0"),
-    sensitivity("partition_only", "contact.conductance=0.0"),
-    sensitivity("hot_tool", "tool.temperature=600.0"),
-    sensitivity("fine_tip", f"mesh.tip_size={TIP_SIZE / RATIO:.6g}"),
-    sensitivity("edge_10um", "tool.tip_radius=0.01", f"mesh.tip_size={TIP_SIZE / RATIO:.6g}"),
-    sensitivity("edge_30um", "tool.tip_radius=0.03"),
-    sensitivity("clearance_7", "tool.clearance=7.0"),
-)
-
-
-def conclude(outcomes: Sequence[Outcome], results: Path) -> tuple[dict[str, Any], bool]:
-    runs = {outcome.variant.name: outcome for outcome in outcomes}
-    figures = {name: predicted(outcome, BASE.depth) for name, outcome in runs.items()}
-    parts = {
-        name: numerical_parts(figures.get(BASE.name), figures.get(other.name), ratio)
-        for name, other, ratio in (("mesh", COARSE, RATIO), ("step", LONG, STEP_RATIO))
-    }
-    content = write_predictions(
-        results / "predict.csv",
-        "Ti6Al4V: predicted and measured",
-        CUTS,
-        runs,
-        tuple(parts.values()),
-        load_measurements(FOLDER / "measured.toml"),
-    )
-    content["relative_uncertainty"] = {
-        name: {figure: finite(value) for figure, value in part.items()} for name, part in parts.items()
-    }
-    content |= write_sensitivities(
-        results / "sensitivities.csv",
-        "Ti6Al4V, 60 um, 30 m/min: what moves it",
-        COARSE.name,
-        [BASE.name, LONG.name, *(variant.name for variant in SENSITIVITIES)],
-        runs,
-        BASE,
-    )
-    return content, not content["not_run"]
-
-
-STUDY = Study(
-    "predict",
-    FOLDER,
-    (
-        *(Variant(cut.name, changes(cut), travel(cut)) for cut in FIRST[:3]),
-        COARSE,
-        LONG,
-        *(Variant(cut.name, changes(cut), travel(cut)) for cut in FIRST[3:]),
-        *SENSITIVITIES,
-        *(Variant(cut.name, changes(cut), travel(cut)) for cut in REST),
+FINE_TIP = f"mesh.tip_size={TIP_SIZE / MESH_RATIO:.6g}"
+CHOICES = {
+    "frictionless": ("contact.friction=0.0",),
+    "coulomb": (f"contact.friction={FRICTION[30.0]}",),
+    "friction_doubled": (limited(2.0 * FRICTION[30.0], LIMIT),),
+    "limit_own_strength": (limited(FRICTION[30.0], "shear_factor = 1.0"),),
+    "adiabatic_tool": ("contact.conductance=0.0", "contact.heat_partition=1.0"),
+    "partition_only": ("contact.conductance=0.0",),
+    "hot_tool": ("tool.temperature=600.0",),
+    "fine_tip": (FINE_TIP,),
+    "edge_10um": ("tool.tip_radius=0.01", FINE_TIP),
+    "edge_30um": ("tool.tip_radius=0.03",),
+    "clearance_7": ("tool.clearance=7.0",),
+}
+PREDICTED = PredictedSet(
+    folder=FOLDER,
+    material="Ti6Al4V",
+    cuts=CUTS,
+    base=BASE,
+    changes=changes,
+    travels={cut.name: travel(cut) for cut in CUTS},
+    choices=CHOICES,
+    again=(
+        CutAgain("slow_hot_tool", SLOW, ("tool.temperature=600.0",), travel(SLOW)),
+        CutAgain("slow_short", SLOW, (), 8.0 * SLOW.depth),
     ),
-    conclude,
-    travel=travel(BASE),
-    case=FOLDER / "case.toml",
-    partial=True,
 )
+STUDY = PREDICTED.study()
 
 if __name__ == "__main__":
     main(STUDY)

@@ -43,9 +43,9 @@ def contact_law(contact: Contact) -> ContactLaw:
 
 
 def self_contact(
-    given: SelfContactTable | None, spacing: float, material: Material
+    contact: Contact, given: SelfContactTable | None, spacing: float, material: Material
 ) -> tuple[SelfContact, ...]:
-    """How a body of particles about ``spacing`` (mm) apart touches itself."""
+    """How a body of particles about ``spacing`` (mm) apart touches itself; ``contact`` is how it touches others."""
     if given is None or not given.enabled:
         return ()
     thickness = _THICKNESS * spacing if given.thickness is None else given.thickness
@@ -55,6 +55,7 @@ def self_contact(
         friction=Coulomb(coefficient=given.friction),
         reference_speed=given.reference_speed,
         heat_partition=0.5,
+        conductance=_conductance(contact.conductance if given.conductance is None else given.conductance),
     )
     return (SelfContact(law, thickness, spacing),)
 

@@ -95,13 +95,20 @@ def cutting_problem(case: Case, material: Material) -> Problem:
             ),
         ),
         contact=contact_law(case.contact),
-        self_contact=self_contact(case.contact.self, mesh.chip_size, material),
+        self_contact=self_contact(case.contact, case.contact.self, mesh.chip_size, material),
         particles=particle_controls(mesh, sizes, velocity),
         time=time_controls(case.time, end),
         newton=newton_controls(case.solver),
         stabilisation=case.solver.stabilisation,
         stabilisation_modulus=stabilisation_modulus(case.solver, mesh),
-        cut=(Cut(depth=case.cutting.depth, speed=case.cutting.speed, surface=height),),
+        cut=(
+            Cut(
+                depth=case.cutting.depth,
+                speed=case.cutting.speed,
+                surface=height,
+                chip_length=_or_infinite(case.cutting.chip_length),
+            ),
+        ),
     )
     return problem if case.after is None else relaxed(problem, after_cut(case, case.after, material))
 
@@ -183,6 +190,10 @@ def support_motions(supports: str, velocity: tuple[float, float], end: float) ->
     )
 
 
+def _or_infinite(length: float | None) -> float:
+    return math.inf if length is None else length
+
+
 def _pair(point: Any) -> tuple[float, float]:
     return float(point[0]), float(point[1])
 
@@ -213,7 +224,7 @@ def size_field(mesh: Mesh, tool: RigidWedge, depth: float, surface: float) -> Si
     shear zone       within 0.6 depth of the line from the rake face's lower end to the free    shear_zone_size
                      surface one depth ahead of the tip
     chip             everything above the uncut surface                                         chip_size
-    machined layer   behind the tool, to 0.25 depth below the machined surface                  surface_size
+    machined layer   behind the tool (surface_length), to 0.25 depth below the machined surface surface_size
     ===============  =========================================================================  ===============
 
     Parameters
@@ -247,7 +258,12 @@ def size_field(mesh: Mesh, tool: RigidWedge, depth: float, surface: float) -> Si
             ),
             SizeZone(Box((-math.inf, chip_foot), (math.inf, math.inf)), mesh.chip_size, chip_growth),
             SizeZone(
-                Box((centre_x, machined - 0.25 * depth), (math.inf, surface)), mesh.surface_size, mesh.growth
+                Box(
+                    (centre_x, machined - 0.25 * depth),
+                    (centre_x + _or_infinite(mesh.surface_length), surface),
+                ),
+                mesh.surface_size,
+                mesh.growth,
             ),
         ),
         far_size=mesh.far_size,

@@ -84,7 +84,7 @@ def general_problem(case: GeneralCase, material: Material, base_directory: Path)
         contact=contact_law(Contact() if isinstance(case.contact, tuple) else case.contact),
         self_contact=()
         if isinstance(case.contact, tuple)
-        else self_contact(case.contact.self, case.mesh.size, material),
+        else self_contact(case.contact, case.contact.self, case.mesh.size, material),
         others=others,
         pairs=tuple(
             ContactPair(

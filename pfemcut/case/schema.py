@@ -114,6 +114,12 @@ class Cutting(Section):
         gt=0, description="Uncut chip thickness, top surface to lowest point of the tip (mm)"
     )
     travel: float = Field(gt=0, description="Travel of the tool from first contact (mm)")
+    chip_length: float | None = Field(
+        default=None,
+        gt=0,
+        description="Length of the chip, along its rake side from the tool's tip, at which it is cut off whenever it "
+        "is a quarter longer (mm), with its mass, heat and energy booked; not cut off unless given",
+    )
 
 
 class After(Section):
@@ -161,6 +167,12 @@ class Mesh(Spacing):
     chip_size: float = Field(default=0.02, gt=0, description="Largest spacing in the chip (mm)")
     surface_size: float = Field(
         default=0.02, gt=0, description="Largest spacing below the machined surface (mm)"
+    )
+    surface_length: float | None = Field(
+        default=None,
+        gt=0,
+        description="How far behind the tool surface_size holds, the spacing growing beyond (mm); all the way unless "
+        "given",
     )
     far_size: float = Field(default=0.4, gt=0, description="Largest spacing anywhere (mm)")
     growth: float = Field(

@@ -144,6 +144,10 @@ class SelfContact(Section):
     reference_speed: float = Field(
         default=1.0, gt=0, description="Sliding speed that regularises friction (mm/s)"
     )
+    conductance: ConductanceOrTable | None = Field(
+        default=None,
+        description="Heat conductance of the interface (N/(mm s K)), or a table; that of [contact] unless given",
+    )
 
 
 class Spacing(Section):

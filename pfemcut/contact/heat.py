@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,21 +13,31 @@ IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
-class HeatExchange:
-    """Heat that an interface takes from particles: matrix (theta - ambient), in mW/mm.
+class HeatCoupling:
+    """What a kelvin more on particles takes from them through interfaces.
 
     Attributes
     ----------
     particles
-        Particles in contact; shape (k,).
+        Particles in contact, each once; shape (k,).
     matrix
         Symmetric, positive semi-definite (mW/(mm K)); shape (k, k).
-    ambient
-        Temperature that each particle sees (K); shape (k,).
     """
 
     particles: IntArray
     matrix: Array
+
+
+@dataclass(frozen=True)
+class HeatExchange(HeatCoupling):
+    """Heat that an interface takes from particles: matrix (theta - ambient), in mW/mm.
+
+    Attributes
+    ----------
+    ambient
+        Temperature that each particle sees (K); shape (k,).
+    """
+
     ambient: Array
 
     @staticmethod
@@ -38,6 +49,16 @@ class HeatExchange:
         """Power taken from each of the particles at the ``temperature`` (n,) of all; shape (k,)."""
         taken: Array = self.matrix @ (temperature[self.particles] - self.ambient)
         return taken
+
+
+def coupled(interfaces: Sequence[HeatCoupling]) -> HeatCoupling:
+    """All ``interfaces`` as one; a particle may take part in several."""
+    particles = np.unique(np.concatenate([each.particles for each in interfaces]))
+    matrix = np.zeros((len(particles), len(particles)))
+    for each in interfaces:
+        at = np.searchsorted(particles, each.particles)
+        matrix[np.ix_(at, at)] += each.matrix
+    return HeatCoupling(particles, matrix)
 
 
 def exchange_matrix(conductance: Array, response: Array) -> Array:

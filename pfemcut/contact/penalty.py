@@ -55,7 +55,7 @@ def contact_forces(
     slip: Array,
     lengths: Array,
     step: float,
-    last_slip_speed: Array,
+    known_slip_speed: Array,
     temperature: Array,
     flow_stress: Array,
 ) -> ContactForces:
@@ -78,7 +78,7 @@ def contact_forces(
         Tributary boundary length of each particle (mm); shape (k,).
     step
         Time step (s).
-    last_slip_speed, temperature, flow_stress
+    known_slip_speed, temperature, flow_stress
         Of the particles, last known (mm/s, K, MPa); shape (k,).
     """
     closest = tool.closest(positions)
@@ -89,7 +89,7 @@ def contact_forces(
     stiffness = np.where(touching, law.penalty * lengths, 0.0)
     normal_force = stiffness * depth
     slip_speed = np.sum(slip * tangent, axis=1) / step
-    interface = Interface(law.penalty * depth, slip_speed, last_slip_speed, temperature, flow_stress)
+    interface = Interface(law.penalty * depth, slip_speed, known_slip_speed, temperature, flow_stress)
     shear = law.friction.shear(interface, law.reference_speed)
     shear_force = np.where(touching, -shear.value * lengths, 0.0)
 

@@ -7,7 +7,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from pfemcut.contact.heat import HeatExchange
+from pfemcut.contact.heat import HeatCoupling
 from pfemcut.fem import runtime
 from pfemcut.fem.element_kernels import Packing, add_matrix, corner_coordinates
 from pfemcut.fem.partition import Partition
@@ -47,7 +47,7 @@ class _ExchangeShell:
         diagonal.array[self._rows] += np.diag(self._dense)[self._places]
 
 
-def _with_exchange(matrix: PETSc.Mat, owned: IntArray, interface: HeatExchange) -> PETSc.Mat:
+def _with_exchange(matrix: PETSc.Mat, owned: IntArray, interface: HeatCoupling) -> PETSc.Mat:
     row = np.full(int(max(owned.max(initial=0), interface.particles.max())) + 1, -1)
     row[owned] = np.arange(len(owned))
     rows = row[interface.particles]
@@ -77,7 +77,7 @@ def solve_temperature_increment(
     conductivity: Array,
     heat: Array,
     exchange: Array,
-    interface: HeatExchange,
+    interface: HeatCoupling,
     fixed: BoolArray,
     fixed_increment: Array,
 ) -> Array:

@@ -166,14 +166,14 @@ def interface_contact(
     # All candidates of a point move nearly alike.
     master = interface.arcs.nodes[points.candidates[:, points.candidates.shape[1] // 2], 1]
     apart = np.einsum("kb,kbi->ki", points.shares, velocity[points.particles]) - velocity[master]
-    last_slip_speed = np.hypot(*apart.T)
+    known_slip_speed = np.hypot(*apart.T)
 
     def friction(pressure: Array, slip_speed: Array, touching: IntArray) -> tuple[Array, Array, Array]:
         slave, share = points.particles[touching], points.shares[touching]
         state = Interface(
             pressure,
             slip_speed,
-            last_slip_speed[touching],
+            known_slip_speed[touching],
             np.sum(share * temperature[slave], axis=1),
             np.sum(share * flow_stress[slave], axis=1),
         )
@@ -195,20 +195,21 @@ def spring_energy(interface: SurfaceInterface, penalty: float, points: Array) ->
     return float(found.energy.sum())
 
 
-def heat_exchange(problem: Problem, contacts: Sequence[SurfaceContact], fixed: BoolArray) -> HeatExchange:
+def heat_exchange(contacts: Sequence[tuple[ContactLaw, SurfaceContact]], fixed: BoolArray) -> HeatExchange:
     """Conduction through the interfaces (eqs. 29-32); points that touch a ``fixed`` (n,) temperature have none."""
-    particles = np.unique(np.concatenate([each.particles.ravel() for each in contacts]))
+    used = [(law, each) for law, each in contacts if law.conductance.value > 0.0 and len(each.points)]
+    if not used:
+        return HeatExchange.none()
+    particles = np.unique(np.concatenate([each.particles.ravel() for _, each in used]))
     place = np.full(len(fixed), -1)
     place[particles] = np.arange(len(particles))
     matrix = np.zeros((len(particles), len(particles)))
-    for pair, each in zip(problem.pairs, contacts, strict=True):
-        conductance = pair.law.conductance(each.normal_force / each.lengths) * each.lengths
+    for law, each in used:
+        conductance = law.conductance(each.normal_force / each.lengths) * each.lengths
         conductance = np.where(fixed[each.particles].any(axis=1), 0.0, conductance)
         blocks = conductance[:, None, None] * each.shape[:, :, None] * each.shape[:, None, :]
         at = place[each.particles]
         np.add.at(matrix, (at[:, :, None], at[:, None, :]), blocks)
-    if not matrix.any():
-        return HeatExchange.none()
     return HeatExchange(particles, matrix, np.zeros(len(particles)))
 
 

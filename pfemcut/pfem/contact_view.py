@@ -64,7 +64,7 @@ def _on_rigid_tool(problem: Problem, state: State, tool: MovingTool, flow_stress
         slip,
         lengths,
         clock.last_dt,
-        np.hypot(*slip.T) / clock.last_dt,
+        state.fields.sliding_speed[particles],
         state.fields.temperature[particles],
         flow_stress[particles],
     )

@@ -31,7 +31,7 @@ from pfemcut.pfem.kinematics import (
     shape_gradients,
 )
 from pfemcut.pfem.loads import inertia_forces, load_forces, motion_particles
-from pfemcut.pfem.newton import Linearisation, solve_momentum, solve_with_friction
+from pfemcut.pfem.newton import Linearisation, StepFailed, solve_momentum, solve_with_friction
 from pfemcut.pfem.stabilisation import modulus_ratio
 from pfemcut.pfem.state import Fields
 from pfemcut.pfem.step_contact import ContactResult, StepContact
@@ -272,6 +272,7 @@ def solve_motion(
         )
     trial, multiplier = kinematics(solution.unknown)
     displacement = solution.unknown[:, :2].copy()
+    require_unfolded(mesh, displacement)
     between_bodies = contact.between_bodies(displacement)
     contact.require_found(displacement, between_bodies)
     return Motion(
@@ -317,6 +318,24 @@ def implicit_multipliers(
         for body, cells in zip(problem.bodies, mesh.cell_ranges, strict=True)
     ]
     return parts[0] if len(parts) == 1 else Multiplier.joined(parts)
+
+
+def require_unfolded(mesh: Mesh, displacement: Array) -> None:
+    """Fail if the ``displacement`` (n, 2) of the step turns an edge of the boundary round.
+
+    At the tip of the tool a soft element may let a particle slide past the next one along the surface, with all areas
+    positive.
+
+    Raises
+    ------
+    StepFailed
+        An edge turns by more than a right angle.
+    """
+    edges = mesh.boundary.edges
+    before = mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]]
+    after = before + displacement[edges[:, 1]] - displacement[edges[:, 0]]
+    if np.any(np.sum(before * after, axis=1) <= 0.0):
+        raise StepFailed("an edge of the boundary would turn round")
 
 
 def update_plasticity(

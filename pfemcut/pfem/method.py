@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -59,7 +60,7 @@ class PfemMethod:
         blocks = _heat_blocks(problem)
         fields = joined_fields(
             [
-                _initial_fields(body, part, first)
+                _initial_fields(problem, body, part, first)
                 for body, part in zip(
                     problem.bodies,
                     separated(mesh, [alone.first_part for alone in problem.alone]),
@@ -151,7 +152,7 @@ class PfemMethod:
         # What came, and what is there or has left: also a body that has cooled down has received its heat.
         through = (ledger.heat_supplied, -ledger.heat_to_tool)
         supplied = ledger.heat_generated + sum(max(heat, 0.0) for heat in through)
-        left = content + sum(max(-heat, 0.0) for heat in through)
+        left = content + ledger.cut_off_heat + sum(max(-heat, 0.0) for heat in through)
         cut_area = sum(cut.depth for cut in problem.cut) * self._travel
         return {
             "elements": len(state.mesh.cells),
@@ -178,7 +179,10 @@ class PfemMethod:
             "heat_to_tool": ledger.heat_to_tool,
             "heat_error": (supplied - left) / supplied if supplied else 0.0,
             "area_drift": ledger.area_drift / cut_area if cut_area else 0.0,
-            "mass_drift": energies.mass(problem, state.mesh, state.fields) / state.initial_mass - 1.0,
+            "mass_drift": (energies.mass(problem, state.mesh, state.fields) + ledger.cut_off_mass)
+            / state.initial_mass
+            - 1.0,
+            **self._cut_off(),
             **self._tool_heat(),
             **energies.tool_heat_content(problem, state.mesh, state.fields),
             **self._reactions(),
@@ -215,7 +219,7 @@ class PfemMethod:
         ledger = self._state.ledger
         work = ledger.tool_work + ledger.boundary_work
         sinks = ledger.plastic + ledger.friction + elastic + ledger.thermoelastic
-        sinks += ledger.contact + ledger.remeshing
+        sinks += ledger.contact + ledger.remeshing + ledger.cut_off_energy
         if self._problem.time.inertia:
             sinks += kinetic - self._state.initial_kinetic_energy
         return (work - sinks) / work if work else 0.0
@@ -238,6 +242,17 @@ class PfemMethod:
                 "tool_heat_error": (received - held) / received if received else 0.0,
             }
         return columns
+
+    def _cut_off(self) -> dict[str, float]:
+        """What went with the pieces of the chip that were cut off; empty if its length has no limit."""
+        ledger = self._state.ledger
+        if not any(math.isfinite(cut.chip_length) for cut in self._problem.cut):
+            return {}
+        return {
+            "cut_off_mass": ledger.cut_off_mass,
+            "cut_off_energy": ledger.cut_off_energy,
+            "cut_off_heat": ledger.cut_off_heat,
+        }
 
     def _reactions(self) -> dict[str, float]:
         """Forces of the supports on the body (N/mm), and moments (N) where a motion has a gradient."""
@@ -291,10 +306,13 @@ def _body_mesh(body: Body, sizes: SizeField) -> Mesh:
     )
 
 
-def _initial_fields(body: Body, mesh: Mesh, first_step: float) -> Fields:
+def _initial_fields(problem: Problem, body: Body, mesh: Mesh, first_step: float) -> Fields:
     strain = float(body.material.thermal_strain(np.asarray(body.temperature)))
     vx, vy = body.velocity
-    return initial_fields(mesh, body.temperature, strain, (vx * first_step, vy * first_step))
+    speed = sum(
+        float(np.hypot(vx - tool.velocity[0], vy - tool.velocity[1])) for tool in problem.rigid_tools[:1]
+    )
+    return initial_fields(mesh, body.temperature, strain, (vx * first_step, vy * first_step), speed)
 
 
 def _nearest_particles(mesh: Mesh, probes: tuple[Probe, ...]) -> NDArray[np.int64]:

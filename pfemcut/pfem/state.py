@@ -75,6 +75,9 @@ class Fields:
         Displacement since time zero (mm); (n, 2).
     last_displacement
         Displacement over the last step (mm), the predictor of the next; (n, 2).
+    sliding_speed
+        Speed against a rigid tool that its friction knows, see :func:`pfemcut.contact.friction.remembered_speed`
+        (mm/s); zero without a rigid tool; (n,).
     b_elastic
         Isochoric elastic left Cauchy-Green tensor, xx, yy, zz, xy; (m, 4).
     volume_ratio
@@ -92,6 +95,7 @@ class Fields:
     pressure: Array = _stored(Where.PARTICLE, "MPa")
     displacement: Array = _stored(Where.PARTICLE, "mm")
     last_displacement: Array = _stored(Where.PARTICLE, "mm")
+    sliding_speed: Array = _stored(Where.PARTICLE, "mm/s")
     b_elastic: Array = _stored(Where.ELEMENT, "1", Transfer.INHERIT_UNIMODULAR)
     # Its inverse, so that the mass int rho_0 / J dV is kept.
     volume_ratio: Array = _stored(Where.ELEMENT, "1", Transfer.INHERIT_INVERSE)
@@ -111,6 +115,7 @@ def initial_fields(
     temperature: float,
     thermal_strain: float = 0.0,
     last_displacement: tuple[float, float] = (0.0, 0.0),
+    sliding_speed: float = 0.0,
 ) -> Fields:
     """Stress-free fields.
 
@@ -124,6 +129,8 @@ def initial_fields(
         3 alpha (theta - theta_0) at it.
     last_displacement
         Displacement over the step before, which inertia continues (mm).
+    sliding_speed
+        Speed against a rigid tool (mm/s).
     """
     n, m = len(mesh.points), len(mesh.cells)
     return Fields(
@@ -132,6 +139,7 @@ def initial_fields(
         pressure=np.zeros(n),
         displacement=np.zeros((n, 2)),
         last_displacement=np.tile(np.asarray(last_displacement, dtype=np.float64), (n, 1)),
+        sliding_speed=np.full(n, sliding_speed),
         b_elastic=np.tile([1.0, 1.0, 1.0, 0.0], (m, 1)),
         volume_ratio=volume_ratio_from_pressure(np.zeros(m), np.full(m, thermal_strain)),
         eqps=np.zeros(m),
@@ -188,6 +196,7 @@ class Ledger:
     ``contact`` and ``remeshing`` can have either sign. Heat: ``heat_generated`` is chi times plastic work plus the
     body's part of friction, ``heat_supplied`` came through boundaries, ``heat_to_tool`` left through the interface,
     ``heat_to_holder`` left a conducting tool, ``heat_remeshing`` is the content after minus before each transfer.
+    ``cut_off_mass`` (tonne/mm), ``cut_off_energy`` (stored) and ``cut_off_heat`` went with pieces of the chip.
     """
 
     tool_work: float = 0.0
@@ -203,6 +212,9 @@ class Ledger:
     heat_to_tool: float = 0.0
     heat_to_holder: float = 0.0
     heat_remeshing: float = 0.0
+    cut_off_mass: float = 0.0
+    cut_off_energy: float = 0.0
+    cut_off_heat: float = 0.0
     area_drift: float = 0.0
     inserted: int = 0
     removed: int = 0
@@ -279,6 +291,8 @@ def to_arrays(state: State) -> dict[str, NDArray[np.generic]]:
 
 def from_arrays(arrays: Mapping[str, NDArray[np.generic]]) -> State:
     """The state that :func:`to_arrays` flattened."""
+    # A checkpoint of before friction had a memory holds none.
+    arrays = {"fields/sliding_speed": np.zeros(len(arrays["fields/temperature"])), **arrays}
 
     def group(kind: type, name: str, scalar: bool) -> Any:
         values = {each.name: arrays[f"{name}/{each.name}"] for each in dataclasses.fields(kind)}

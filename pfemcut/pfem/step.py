@@ -16,10 +16,12 @@ from pfemcut.fem.partition import Partition
 from pfemcut.materials.return_mapping import ReturnMappingFailed
 from pfemcut.method import RunStopped
 from pfemcut.pfem import energies
+from pfemcut.pfem.chip_cut_off import cut_off_chip
 from pfemcut.pfem.mechanics import Motion, PlasticUpdate, solve_motion, update_plasticity
 from pfemcut.pfem.newton import StepFailed
 from pfemcut.pfem.particle_step import first_iterate, particle_step
 from pfemcut.pfem.state import Clock, Fields, State
+from pfemcut.pfem.step_contact import known_sliding_speed
 from pfemcut.pfem.step_record import StepRecord, recorded_step, remeshing_amounts
 from pfemcut.pfem.step_size import next_step
 from pfemcut.pfem.thermal import solve_heat
@@ -66,6 +68,7 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
     CutEnded
         If the body touches itself.
     """
+    state = cut_off_chip(problem, state)
     # Box 1: the particles are where the last step moved them; remove, insert, triangulate, transfer.
     mesh, fields, remesh_map = particle_step(problem, state, watch)
     wished = step = _step_length(problem, state.clock)
@@ -128,6 +131,7 @@ def advance(problem: Problem, kernels: Kernels, state: State, watch: Stopwatch) 
             pressure=motion.pressure,
             displacement=fields.displacement + motion.displacement,
             last_displacement=motion.displacement,
+            sliding_speed=known_sliding_speed(problem, fields.sliding_speed, motion.displacement, step),
             b_elastic=plastic.b_elastic,
             volume_ratio=motion.volume_ratio,
             eqps=plastic.eqps,

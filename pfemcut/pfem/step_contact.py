@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshing.mesh import Mesh
+from pfemcut.contact.friction import remembered_speed
 from pfemcut.contact.node_to_segment import SurfaceContact
 from pfemcut.contact.penalty import ContactForces, contact_forces, facing_lengths
 from pfemcut.fem.momentum_system import NodalForces
@@ -48,7 +49,7 @@ class StepContact:
     step
         Its length (s).
     velocity
-        Of the particles in the last step (mm/s); shape (n, 2).
+        Of the particles in the last step (mm/s), from which friction between bodies knows the sliding speed; (n, 2).
     candidates
         Particles of the boundary; shape (b,).
     tools
@@ -137,7 +138,7 @@ class StepContact:
                     moved - self.step * np.asarray(tool.velocity),
                     lengths,
                     self.step,
-                    np.hypot(*(self.velocity[candidates] - np.asarray(tool.velocity)).T),
+                    self.fields.sliding_speed[candidates],
                     self.fields.temperature[candidates],
                     self.flow_stress[candidates],
                 ),
@@ -198,6 +199,18 @@ class StepContact:
             )
             for interface, law in touching
         )
+
+
+def known_sliding_speed(problem: Problem, before: Array, displacement: Array, step: float) -> Array:
+    """Speed against the rigid tool that its friction knows after a ``step`` (s); (n,).
+
+    ``before`` is what it knew before the step (n,), in which the particles moved by ``displacement`` (n, 2). Zero
+    without a rigid tool.
+    """
+    for tool in problem.rigid_tools:
+        speed = np.hypot(*(displacement / step - np.asarray(tool.velocity)).T)
+        return remembered_speed(before, speed, step, problem.contact.friction.sliding_memory)
+    return np.zeros_like(before)
 
 
 def _tool_forces(contact: ContactResult) -> NodalForces:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
 from meshing.mesh import Mesh, signed_areas
-from pfemcut.contact.heat import HeatExchange, exchange_matrix
+from pfemcut.contact.heat import HeatExchange, coupled, exchange_matrix
 from pfemcut.contact.node_to_segment import SurfaceContact
 from pfemcut.fem.heat_system import HeatKernels, solve_temperature_increment
 from pfemcut.fem.partition import Partition
@@ -134,14 +134,13 @@ def solve_heat(
         for tool, block in zip(problem.tool, blocks, strict=False)
     ]
     surface_power = [at.T @ touching.tool_power for at in places]
-    if problem.pairs:
-        interface = heat_exchange(problem, body_contact, fixed)
-    else:
-        interface = _interface(
-            problem, touching, fixed, blocks, places, surface_power, tool_temperature, step
-        )
+    tool = _interface(problem, touching, fixed, blocks, places, surface_power, tool_temperature, step)
+    laws = [pair.law for pair in problem.pairs] + [rule.law for rule in problem.self_contact]
+    between = heat_exchange(list(zip(laws, (*body_contact, *self_contact), strict=True)), fixed)
     drawn = np.zeros(count)
-    drawn[interface.particles] = interface.taken(temperature)
+    for exchange_with in (tool, between):
+        drawn[exchange_with.particles] += exchange_with.taken(temperature)
+    coupling = coupled((tool, between))
     conductivity = over_cells(
         problem, mesh, lambda body, c: body.material.conductivity(element_temperature[c])
     )
@@ -163,7 +162,7 @@ def solve_heat(
             conductivity,
             sources + flux - drawn,
             exchange,
-            interface,
+            coupling,
             fixed,
             fixed_increment,
         )
@@ -175,7 +174,7 @@ def solve_heat(
     stored = float(mass @ by_capacity(_gain, temperature, warming))
     generated = float(sources.sum()) * step
     through = float(flux.sum() - exchange @ increment) * step
-    taken = interface.taken(temperature + increment)
+    taken = tool.taken(temperature + increment)
     to_tool = float(taken.sum()) * step
     supplied = stored - generated + to_tool if fixed.any() else through
     after, to_holder = tool_temperature, 0.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from enum import Enum
 
@@ -216,7 +217,7 @@ class SelfContact:
     Attributes
     ----------
     law
-        Law of this contact; its conductance is not used.
+        Law of this contact.
     thickness
         Distance at which surfaces touch (mm).
     spacing
@@ -240,11 +241,14 @@ class Cut:
         Cutting speed (mm/s).
     surface
         Height of the uncut surface (mm).
+    chip_length
+        Length at which the chip is cut off (mm); inf if it is not.
     """
 
     depth: float
     speed: float
     surface: float
+    chip_length: float = math.inf
 
 
 @dataclass(frozen=True)

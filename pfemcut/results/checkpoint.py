@@ -23,7 +23,7 @@ from pfemcut.inputs import UserError
 State = Mapping[str, NDArray[np.generic]]
 
 FORMAT = "pfemcut checkpoint"
-VERSION = 2
+VERSION = 3
 NAME = "checkpoint.h5"
 PREVIOUS = "checkpoint.previous.h5"
 

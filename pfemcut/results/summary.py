@@ -226,7 +226,7 @@ def _warnings(
     if touching.size:
         found.append(
             f"the body touches itself from travel {columns['travel'][touching[0]]:.3f} mm on, "
-            f"with up to {force[touching].max():.3g} N/mm (contact without heat conduction)"
+            f"with up to {force[touching].max():.3g} N/mm"
         )
     limits = {
         "energy_error": LARGEST_ENERGY_ERROR,

@@ -82,17 +82,22 @@ class PlannedCut:
     speed: float
 
 
+def planned(micrometres: int, speed: float) -> PlannedCut:
+    """A cut by its uncut chip thickness (um) and speed (m/min), named by both."""
+    return PlannedCut(f"{micrometres}um_{speed:g}", micrometres / 1000.0, speed)
+
+
 def cut_changes(
     cut: PlannedCut,
     tip_size: float,
     mesh_factor: float = 1.0,
     step_factor: float = 1.0,
-    advance: float = 0.1,
 ) -> tuple[str, ...]:
     """What a cut changes in its set's case: depth, speed, block, mesh and steps, but for friction.
 
-    The block is 10 depths high and 20 long. The shear zone has 12 particles a depth. In the nominal step the tool
-    goes on by ``advance`` times ``tip_size`` (mm), in the largest by half of it; the controller chooses between.
+    The block is 10 depths high and 20 long, for a travel up to 10. The shear zone has 12 particles a depth. In the
+    nominal step the tool goes on by a tenth of ``tip_size`` (mm), in the largest by half of it; the controller chooses
+    between.
     """
     depth, speed = cut.depth, cut.speed * 1000.0 / 60.0
     sizes = {
@@ -110,7 +115,7 @@ def cut_changes(
         "workpiece.height": 10.0 * depth,
         "mesh.far_size": 2.0 * depth,
         **{f"mesh.{key}": size * mesh_factor for key, size in sizes.items()},
-        "time.step": step_factor * advance * tip_size / speed,
+        "time.step": step_factor * 0.1 * tip_size / speed,
         "time.largest_step": step_factor * 0.5 * tip_size / speed,
         "time.step_tolerance": step_factor * 0.1,
     }

@@ -9,6 +9,8 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import NDArray
 
 from pfemcut.output.vtu import read_last_frame
 from pfemcut.results.derived.force_shares import force_shares
@@ -23,7 +25,8 @@ from pfemcut.validation.prediction import (
 )
 from pfemcut.validation.study import Outcome, finite_figures, write_table
 
-SHARES = tuple(f"{force}_on_{part}" for part in ("rake", "tip", "flank") for force in ("cutting", "thrust"))
+PARTS = {"rake": "rake face", "tip": "edge (tip circle)", "flank": "flank"}
+SHARES = tuple(f"{force}_on_{part}" for part in PARTS for force in ("cutting", "thrust"))
 """Forces on the parts of the tool (N/mm), in the last frame."""
 
 
@@ -51,15 +54,16 @@ def write_predictions(
         Measured figures by cut.
     """
     run = [cut for cut in cuts if cut.name in outcomes]
-    predictions: dict[str, dict[str, Figure]] = {}
-    for cut in run:
-        scattered = predicted(outcomes[cut.name], cut.depth)
-        predictions[cut.name] = {
+    scattered = {cut.name: predicted(outcomes[cut.name], cut.depth) for cut in run}
+    predictions = {
+        cut: {
             name: Figure(
                 figure.value, half_width(figure.value, [part[name] for part in parts], figure.half_width)
             )
-            for name, figure in scattered.items()
+            for name, figure in figures.items()
         }
+        for cut, figures in scattered.items()
+    }
     found = differences(predictions, measured)
     header = ["cut", "depth_mm", "speed_m_min"]
     for name in LABELS:
@@ -79,23 +83,24 @@ def write_predictions(
         outcome = outcomes[cut.name]
         row: list[str | float] = [cut.name, cut.depth, cut.speed]
         for name in LABELS:
-            figure, deviation = predictions[cut.name][name], predicted(outcome, cut.depth)[name].half_width
+            figure, deviation = predictions[cut.name][name], scattered[cut.name][name].half_width
             given = measured.get(cut.name, {}).get(name, Figure(math.nan, math.nan))
             difference = found.get(cut.name, {}).get(name, math.nan)
             row += [figure.value, figure.half_width, deviation, given.value, given.half_width, difference]
-        complete = outcome.history.get("chip_complete", np.zeros(1))
         row += [
             *_shares(outcome, cut.speed),
             outcome.mean("contact_length"),
             outcome.mean("max_temperature"),
             "yes" if outcome.summary["steady"]["value"] else "no",
-            "yes" if _complete_in_window(outcome, complete) else "no",
+            "yes" if _complete_in_window(outcome) else "no",
             float(outcome.history["nodes"][-1]),
             float(outcome.summary["steps"]["value"]),
         ]
         rows.append(row)
     write_table(path, title, header, rows)
     draw(path.with_suffix(".png"), title, run, predictions, measured)
+    shares = {str(row[0]): _row_shares(header, row) for row in rows}
+    draw_shares(path.with_name("force_shares.png"), f"{title}: parts of the tool", run, shares, measured)
     return {
         "predictions": finite_figures(header, rows),
         "errors": mean_and_largest(found),
@@ -135,7 +140,48 @@ def draw(
         panel.grid(alpha=0.3)
     axes[0].set_title(title)
     axes[0].legend(fontsize="small")
-    axes[-1].set_xticks(places, [f"{1e3 * cut.depth:g} µm\n{cut.speed:g} m/min" for cut in cuts])
+    _label_cuts(axes[-1], cuts)
+    figure.savefig(path, dpi=90)
+    plt.close(figure)
+
+
+def draw_shares(
+    path: Path,
+    title: str,
+    cuts: Sequence[PlannedCut],
+    shares: Mapping[str, NDArray[np.float64]],
+    measured: Mapping[str, Mapping[str, Figure]],
+) -> None:
+    """What the parts of the tool bear of the forces, stacked, beside the measured forces.
+
+    ``shares`` has cutting and thrust force (N/mm) on rake face, edge and flank by cut; shape (3, 2).
+    """
+    figure, axes = plt.subplots(2, 1, figsize=(8.0, 6.5), layout="constrained", sharex=True)
+    places = np.arange(len(cuts), dtype=float)
+    borne = np.array([shares[cut.name] for cut in cuts]).reshape(len(cuts), len(PARTS), 2)
+    for panel, (column, name) in zip(axes, enumerate(("cutting_force", "thrust_force")), strict=True):
+        up, down = np.zeros(len(cuts)), np.zeros(len(cuts))
+        for number, part in enumerate(PARTS.values()):
+            height = borne[:, number, column]
+            panel.bar(places - 0.1, height, 0.5, np.where(height >= 0.0, up, down), label=part)
+            up, down = up + np.maximum(height, 0.0), down + np.minimum(height, 0.0)
+        panel.plot(places - 0.1, borne[:, :, column].sum(axis=1), "k_", markersize=18, label="sum")
+        given = [(at, measured[cut.name][name]) for at, cut in enumerate(cuts) if cut.name in measured]
+        panel.errorbar(
+            [at + 0.28 for at, _ in given],
+            [found.value for _, found in given],
+            yerr=[found.half_width for _, found in given],
+            fmt="ks",
+            capsize=3.0,
+            label="measured",
+        )
+        panel.axhline(0.0, color="k", linewidth=0.8)
+        panel.set(ylabel=LABELS[name])
+        panel.grid(alpha=0.3, axis="y")
+        panel.margins(y=0.08)
+    axes[0].set_title(title)
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=len(PARTS) + 2)
+    _label_cuts(axes[-1], cuts)
     figure.savefig(path, dpi=90)
     plt.close(figure)
 
@@ -143,26 +189,25 @@ def draw(
 def write_sensitivities(
     path: Path,
     title: str,
-    reference: str,
-    names: Sequence[str],
+    references: Mapping[str, tuple[str, PlannedCut]],
     outcomes: Mapping[str, Outcome],
-    cut: PlannedCut,
 ) -> dict[str, Any]:
-    """Write the figures of the runs ``names`` and their relative change to the run ``reference``."""
-    header = ["run", *LABELS, *(f"{name}_change" for name in LABELS)]
+    """Write the figures of runs, each with its relative change to another run of the same cut.
+
+    ``references`` has the other run and the cut by the name of each; a run is left out while one of both is missing.
+    """
+    header = ["run", "relative_to", *LABELS, *(f"{name}_change" for name in LABELS)]
     header += [*SHARES, "contact_length", "tip_arc_contact", "max_temperature", "steady"]
-    if reference not in outcomes:
-        return {}
-    base = predicted(outcomes[reference], cut.depth)
     rows: list[list[str | float]] = []
-    for name in [reference, *names]:
-        if name not in outcomes:
+    for name, (reference, cut) in references.items():
+        if name not in outcomes or reference not in outcomes:
             continue
         outcome = outcomes[name]
-        found = predicted(outcome, cut.depth)
+        found, base = predicted(outcome, cut.depth), predicted(outcomes[reference], cut.depth)
         rows.append(
             [
                 name,
+                reference,
                 *(found[label].value for label in LABELS),
                 *(found[label].value / base[label].value - 1.0 for label in LABELS),
                 *_shares(outcome, cut.speed),
@@ -171,7 +216,7 @@ def write_sensitivities(
             ]
         )
     write_table(path, title, header, rows)
-    return {"reference": reference, "sensitivities": finite_figures(header, rows)}
+    return {"sensitivities": finite_figures(header, rows)}
 
 
 def _shares(outcome: Outcome, speed: float) -> list[float]:
@@ -180,8 +225,20 @@ def _shares(outcome: Outcome, speed: float) -> list[float]:
     return [float(force) for part in (found.rake, found.tip, found.flank) for force in part]
 
 
-def _complete_in_window(outcome: Outcome, complete: Any) -> bool:
+def _row_shares(header: Sequence[str], row: Sequence[str | float]) -> NDArray[np.float64]:
+    """The forces on the parts in a table's row; (3, 2)."""
+    named = dict(zip(header, row, strict=True))
+    return np.array([float(named[name]) for name in SHARES]).reshape(len(PARTS), 2)
+
+
+def _label_cuts(axis: Axes, cuts: Sequence[PlannedCut]) -> None:
+    axis.set_xticks(range(len(cuts)), [f"{1e3 * cut.depth:g}\n{cut.speed:g}" for cut in cuts])
+    axis.set_xlabel("uncut chip thickness (µm) over cutting speed (m/min)")
+
+
+def _complete_in_window(outcome: Outcome) -> bool:
+    """Whether the chip was, all over the window, long enough for the whole range of its thickness."""
     begin, end = outcome.summary["window"]
     travel = outcome.history["travel"]
-    inside = (travel >= begin) & (travel <= end) if len(complete) == len(travel) else np.ones(0, dtype=bool)
-    return bool(inside.any() and np.mean(complete[inside]) >= 1.0)
+    inside = (travel >= begin) & (travel <= end)
+    return bool(inside.any() and np.all(outcome.history["chip_complete"][inside] >= 1.0))

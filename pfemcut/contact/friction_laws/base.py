@@ -33,6 +33,11 @@ class LawModel(InputTable):
         """Whether the constants leave no friction at all."""
         return False
 
+    @property
+    def sliding_memory(self) -> float:
+        """Zero: the shear traction does not depend on the sliding speed but for its regularisation."""
+        return 0.0
+
     def strength(self, interface: Interface) -> Strength:
         """Shear traction of a contact that slides fast against V_ref."""
         raise NotImplementedError(f"{type(self).__name__} has no strength")
@@ -78,3 +83,18 @@ class LimitedLaw(LawModel):
             np.where(slides, sliding.value, limit),
             np.where(slides, sliding.by_pressure, 0.0),
         )
+
+
+class SpeedLaw(LimitedLaw):
+    """Base of laws mu P_N whose coefficient depends on the sliding speed."""
+
+    memory: float = Field(
+        default=0.005,
+        ge=0,
+        description="Sliding distance over which the coefficient follows the speed (mm); 0: it takes the last step's",
+    )
+
+    @property
+    def sliding_memory(self) -> float:
+        """The given distance."""
+        return self.memory

@@ -8,14 +8,14 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from pfemcut.contact.friction import Interface
-from pfemcut.contact.friction_laws.base import LimitedLaw, Strength
+from pfemcut.contact.friction_laws.base import SpeedLaw, Strength
 
 
-class PowerLaw(LimitedLaw):
+class PowerLaw(SpeedLaw):
     r"""Coulomb friction with mu = mu_0 (|v|/v_0)^a (P_N/P_0)^b (theta/theta_0)^c, kept within limits.
 
     1. Exponents of zero leave a dependence out; a alone is the form fitted to pin-on-bar tests.
-    2. The sliding speed is the last step's.
+    2. The coefficient follows the sliding speed over a distance, the memory.
     3. A sliding speed below the least one counts as that: a falling power would grow without end as the slip stops.
     4. :math:`\mu` is kept between its least and largest value, where its slopes vanish.
     5. The shear traction may be limited by m k and by a constant.
@@ -50,7 +50,7 @@ class PowerLaw(LimitedLaw):
 
     def strength(self, interface: Interface) -> Strength:
         """mu P_N, limited."""
-        speed = np.maximum(np.abs(interface.last_slip_speed), self.least_speed)
+        speed = np.maximum(np.abs(interface.known_slip_speed), self.least_speed)
         # A power of zero may be infinite; the tiny value only keeps it finite, as mu has a largest value.
         pressure = np.maximum(interface.pressure, 1e-12 * self.pressure)
         power = (

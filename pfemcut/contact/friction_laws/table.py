@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field, Strict, model_validator
 
 from pfemcut.contact.friction import Array, Interface
-from pfemcut.contact.friction_laws.base import LimitedLaw, Strength
+from pfemcut.contact.friction_laws.base import SpeedLaw, Strength
 from pfemcut.input_table import InputTable
 
 _NotNegative = Annotated[float, Field(ge=0)]
@@ -44,11 +44,11 @@ class Points(InputTable):
 _ONE = Points(at=(0.0,), value=(1.0,))
 
 
-class TableLaw(LimitedLaw):
+class TableLaw(SpeedLaw):
     r"""Coulomb friction with mu = mu(|v|) f(P_N) g(theta) from measured tables.
 
     1. Each table is linear between its points and constant beyond its ends.
-    2. The sliding speed is the last step's.
+    2. The coefficient follows the sliding speed over a distance, the memory.
     3. The factors of pressure and temperature are 1 unless given.
     4. The shear traction may be limited by m k and by a constant.
     """
@@ -65,7 +65,7 @@ class TableLaw(LimitedLaw):
     def strength(self, interface: Interface) -> Strength:
         """mu P_N, limited."""
         pressure = interface.pressure
-        mu, _ = self.coefficient(np.abs(interface.last_slip_speed))
+        mu, _ = self.coefficient(np.abs(interface.known_slip_speed))
         f, by_pressure = self.pressure_factor(pressure)
         g, _ = self.temperature_factor(interface.temperature)
         sliding = Strength(

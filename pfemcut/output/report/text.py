@@ -6,20 +6,18 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from pfemcut.units import in_other
+
 MICROMETRES_BELOW = 0.1
 """Lengths below this (mm) are shown in micrometres too."""
 
 _TIMES = {
-    # unit: (factor, unit, smallest magnitude that is worth converting)
-    "mm/s": (0.06, "m/min", 0.0),
+    # unit: (factor, unit, smallest magnitude that is worth converting), beside those of pfemcut.units
     "MPa": (1e-3, "GPa", 1e4),
-    "tonne/mm³": (1e12, "kg/m³", 0.0),
-    "mm²/(s² K)": (1e-6, "J/(kg K)", 0.0),
-    "N/(s K)": (1.0, "W/(m K)", 0.0),
-    "N/(mm s K)": (1e3, "W/(m² K)", 0.0),
     "N/mm²": (1e-3, "J/mm³", 0.0),
     "s": (1e6, "µs", 0.0),
 }
+_PRINTED = str.maketrans({"2": "²", "3": "³", "^": None})
 
 
 def significant(value: float, digits: int = 4) -> str:
@@ -100,12 +98,16 @@ def converted(value: object, unit: str, digits: int = 6) -> str:
         return f"{', '.join(part.partition(' ')[0] for part in parts)} {other}"
     if isinstance(value, bool) or not isinstance(value, int | float):
         return ""
-    if unit == "K":
-        return f"{value - 273.15:.{min(digits, 4)}g} °C"
     if unit == "mm":
         return f"{number(1e3 * value, digits)} µm" if 0.0 < abs(value) < MICROMETRES_BELOW else ""
-    factor, other, smallest = _TIMES.get(unit, (1.0, "", math.inf))
-    return f"{number(factor * value, digits)} {other}" if abs(value) >= smallest and other else ""
+    engineers = in_other(float(value), unit)
+    if engineers:
+        found, name = engineers
+        if name == "degC":
+            return f"{found:.{min(digits, 4)}g} °C"
+        return f"{number(found, digits)} {name.translate(_PRINTED)}"
+    factor, name, smallest = _TIMES.get(unit, (1.0, "", math.inf))
+    return f"{number(factor * value, digits)} {name}" if abs(value) >= smallest and name else ""
 
 
 def spoken(unit: str) -> str:

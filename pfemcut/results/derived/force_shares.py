@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from pfemcut.contact.penalty import facing_lengths
 from pfemcut.method import Frame
+from pfemcut.results.derived.rays import loop_edges
 from pfemcut.tools.rigid_wedge import RigidWedge
 
 Array = NDArray[np.float64]
@@ -38,9 +39,8 @@ def force_shares(frame: Frame, tool: RigidWedge, speed: float) -> ForceShares:
         Of the tool towards -x (mm/s).
     """
     contact = frame.contact
-    edges = np.vstack([np.column_stack([loop, np.roll(loop, -1)]) for loop in frame.loops])
     points = frame.points[contact.particles]
-    length = facing_lengths(tool, frame.points, edges)[contact.particles]
+    length = facing_lengths(tool, frame.points, loop_edges(frame.loops))[contact.particles]
     normal = tool.closest(points).normal
     # Up the rake face, as the arc length.
     tangent = np.column_stack([normal[:, 1], -normal[:, 0]])
