@@ -34,6 +34,7 @@ from pfemcut.output.recorder import Recorder
 from pfemcut.output.requests import Request, asked, done
 from pfemcut.output.surface import surface_figures, surface_warnings
 from pfemcut.output.tool_profiles import cut_profiles, write_table
+from pfemcut.particles.problem import ParticleProblem
 from pfemcut.problem import Cut, Problem
 from pfemcut.ranks import Ranks, RanksDiffer, SignalNotes
 from pfemcut.results.checkpoint import (
@@ -55,6 +56,10 @@ if TYPE_CHECKING:
     from pfemcut.case.load import AnyCase
     from pfemcut.materials.material import Material
     from pfemcut.output.scales import Scales
+
+
+AnyProblem = Problem | ParticleProblem
+"""What the driver runs; it uses title, tool, cut and final time."""
 
 
 class RunInterrupted(RunStopped):
@@ -111,20 +116,17 @@ def run_case(
     overwrite: bool = False,
     callbacks: Callbacks = Callbacks(),  # noqa: B008 (frozen)
 ) -> Summary:
-    """Run a case with the PFEM and return its summary; see :func:`run_problem`."""
+    """Run a case with its method and return its summary; see :func:`run_problem`."""
     from pfemcut.case.load import resolved_toml
     from pfemcut.case.translate import problem_of
-    from pfemcut.pfem.method import PfemMethod
+    from pfemcut.methods import factory_of
 
     # Files that the case names need to be on the first rank's machine only.
     problem = Ranks().on_first(lambda: problem_of(case, material, base_directory))
-    factory = MethodFactory(
-        start=lambda: PfemMethod.start(problem), restore=lambda state: PfemMethod.restore(problem, state)
-    )
     inputs = resolved_toml(case, material)
     return run_problem(
         problem,
-        factory,
+        factory_of(problem),
         Path(directory),
         case.output,
         inputs=inputs,
@@ -167,7 +169,8 @@ def report_case(directory: Path, *, animation: bool = True, scales: Scales | Non
         write_report(directory, animation=animation, scales=scales)
         return
     if ended:
-        update_summary(directory / SUMMARY, surface_figures(directory, problem))
+        if isinstance(problem, Problem):
+            update_summary(directory / SUMMARY, surface_figures(directory, problem))
         write_report(directory, animation=animation, scales=scales)
     else:
         # Not written: the run goes on, and who reads a summary takes it for ended.
@@ -177,7 +180,7 @@ def report_case(directory: Path, *, animation: bool = True, scales: Scales | Non
 
 
 def run_problem(
-    problem: Problem,
+    problem: AnyProblem,
     factory: MethodFactory,
     directory: Path,
     controls: OutputControls,
@@ -247,7 +250,7 @@ def run_problem(
 
 
 def summary_of(
-    directory: Path, problem: Problem, *, finished: bool, ending: str, warnings: Sequence[str]
+    directory: Path, problem: AnyProblem, *, finished: bool, ending: str, warnings: Sequence[str]
 ) -> Summary:
     """Build the summary of the tables in ``directory``, and write the profiles along the tool beside them."""
     history, timing = directory / HISTORY, directory / TIMING
@@ -255,6 +258,9 @@ def summary_of(
     cut, tool = problem.cut, problem.tool
     columns = (read_table(history) or none) if history.exists() else none
     last = float(columns["time"][-1]) if columns["time"].size else 0.0
+    if last > 0.0 and isinstance(problem, Problem):
+        # Unloading and cooling are no part of the cut.
+        warnings = (*warnings, *tool_warnings(problem, min(last, problem.time.end)))
     figures: dict[str, dict[str, float | str]] = {}
     for found in cut_profiles(directory):
         write_table(directory, found.profiles)
@@ -267,10 +273,11 @@ def summary_of(
         ending=ending,
         depth=cut[0].depth if cut else math.nan,
         rake=tool[0].shape.rake if tool else math.nan,
-        # Unloading and cooling are no part of the cut.
-        warnings=(*warnings, *(tool_warnings(problem, min(last, problem.time.end)) if last > 0.0 else ())),
+        warnings=warnings,
         profile_figures=figures,
     )
+    if not isinstance(problem, Problem):
+        return summary
     figures = surface_figures(directory, problem)
     return replace(
         summary,
@@ -284,7 +291,7 @@ class _Run:
 
     def __init__(
         self,
-        problem: Problem,
+        problem: AnyProblem,
         method: Method,
         directory: Path,
         controls: OutputControls,

@@ -12,7 +12,7 @@ from pfemcut.inputs import InputError, read_toml
 from pfemcut.materials.material import Material
 
 if TYPE_CHECKING:
-    from pfemcut.problem import Problem
+    from pfemcut.driver import AnyProblem
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class LoadedCase:
         """The whole case with all defaults, as a case file."""
         return resolved_toml(self.case, self.material)
 
-    def problem(self) -> Problem:
+    def problem(self) -> AnyProblem:
         """The problem that methods solve."""
         from pfemcut.case.translate import problem_of
 

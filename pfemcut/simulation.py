@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,11 +16,8 @@ from numpy.typing import NDArray
 from pfemcut.fields import Fields
 from pfemcut.inputs import UserError
 from pfemcut.loaded_case import LoadedCase, load_case
-from pfemcut.method import CutEnded, Measures
+from pfemcut.method import CutEnded, Measures, Method
 from pfemcut.moment import Callback, Callbacks, Moment, nothing
-
-if TYPE_CHECKING:
-    from pfemcut.pfem.method import PfemMethod
 
 Array = NDArray[np.float64]
 
@@ -143,17 +140,16 @@ class Simulation:
     """
 
     def __init__(self, case: LoadedCase | Path | str, checkpoint: Path | str | None = None) -> None:
-        from pfemcut.pfem.method import PfemMethod
+        from pfemcut.methods import factory_of
 
         self.case = case if isinstance(case, LoadedCase) else load_case(case)
         self._problem = self.case.problem()
         self._rows: list[dict[str, Any]] = []
         self._ending = ""
-        self._method: PfemMethod
-        if checkpoint is None:
-            self._method = PfemMethod.start(self._problem)
-        else:
-            self._method = PfemMethod.restore(self._problem, self._state_in(Path(checkpoint)))
+        factory = factory_of(self._problem)
+        self._method: Method = (
+            factory.start() if checkpoint is None else factory.restore(self._state_in(Path(checkpoint)))
+        )
 
     def _state_in(self, path: Path) -> Any:
         from pfemcut.results.checkpoint import read_checkpoint, read_file, require_same_case

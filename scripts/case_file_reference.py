@@ -15,6 +15,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from pfemcut.case.general_schema import GeneralCase
+from pfemcut.case.particles import SolidsCase
 from pfemcut.case.schema import Case
 from pfemcut.case.wording import allowed, choices, default, inner_types, kind_of
 
@@ -28,7 +29,7 @@ and values out of range are errors that name the key. Every run writes the case 
 `inputs.resolved.toml`. On the command line, `--set section.key=value` overrides one value, and
 `pfemcut check CASE.toml` validates.
 
-This page is written by `python scripts/case_file_reference.py` from `pfemcut/case/*schema.py`.
+This page is written by `python scripts/case_file_reference.py` from `pfemcut/case/*schema.py` and `particles.py`.
 """
 MATERIAL = """\
 A material is a name in the library (`pfemcut materials`), a path to a material file (relative to the case file), or a
@@ -38,6 +39,7 @@ some of its constants. `pfemcut materials NAME` prints a whole one.
 KINDS: tuple[tuple[str, type[BaseModel]], ...] = (
     ("An orthogonal cut", Case),
     ('A general problem (`problem = "general"`)', GeneralCase),
+    ('Solids filled with particles (`problem = "solids"`)', SolidsCase),
 )
 
 

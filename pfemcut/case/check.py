@@ -8,9 +8,10 @@ from pfemcut.case.cutting import cutting_problem
 from pfemcut.case.general_schema import GeneralCase
 from pfemcut.case.load import AnyCase, initial_temperature
 from pfemcut.case.particle_count import body_counts
+from pfemcut.case.particles import SolidsCase
 from pfemcut.case.plausible import implausible
 from pfemcut.case.sections import Contact
-from pfemcut.case.translate import problem_of
+from pfemcut.case.translate import meshed_problem_of
 from pfemcut.materials.material import Material
 from pfemcut.results.derived.tool_heating import tool_warnings
 from pfemcut.units import both
@@ -20,8 +21,17 @@ def figures(case: AnyCase, material: Material, base_directory: Path) -> list[tup
     """Main figures of the case, as name and text with unit; its files lie in ``base_directory``."""
     if isinstance(case, GeneralCase):
         return _general_figures(case, material, base_directory)
+    if isinstance(case, SolidsCase):
+        # Not before it's needed: numba takes a second to load.
+        from pfemcut.case.particles_check import solids_figures
+
+        return solids_figures(case, material, base_directory)
+    if case.method != "pfem":
+        from pfemcut.case.particles_check import cut_figures
+
+        return cut_figures(case, material)
     cutting, tool, mesh = case.cutting, case.tool, case.mesh
-    problem = problem_of(case, material, base_directory)
+    problem = meshed_problem_of(case, material, base_directory)
     length, height = case.workpiece.length, case.workpiece.height
     advance = cutting.speed * case.time.step
     return [
@@ -77,7 +87,7 @@ def _friction(contact: Contact) -> str:
 
 
 def _general_figures(case: GeneralCase, material: Material, base_directory: Path) -> list[tuple[str, str]]:
-    problem = problem_of(case, material, base_directory)
+    problem = meshed_problem_of(case, material, base_directory)
     return [
         ("title", problem.title),
         ("material", f"{material.name}, initially at {both(problem.body.temperature, 'K', 6)}"),
@@ -96,7 +106,13 @@ def _general_figures(case: GeneralCase, material: Material, base_directory: Path
 def warnings(case: AnyCase, material: Material, base_directory: Path = Path()) -> list[str]:
     """Choices that are allowed but make a run inaccurate, meaningless or endless; one line each."""
     if isinstance(case, GeneralCase):
-        return implausible(problem_of(case, material, base_directory))
+        return implausible(meshed_problem_of(case, material, base_directory))
+    if isinstance(case, SolidsCase):
+        return []
+    if case.method != "pfem":
+        from pfemcut.case.particles_check import unused_sections
+
+        return unused_sections(case)
     cutting, tool, mesh, work = case.cutting, case.tool, case.mesh, case.workpiece
     advance = cutting.speed * case.time.step
     checks = [

@@ -11,13 +11,16 @@ import tomli_w
 from pydantic import ValidationError
 
 from pfemcut.case.general_schema import GeneralCase
+from pfemcut.case.particles import SolidsCase
 from pfemcut.case.schema import Case
 from pfemcut.inputs import InputError, explained, read_toml
 from pfemcut.materials.load import load_material, material_table
 from pfemcut.materials.material import Material
 from pfemcut.wear.load import wear_table
 
-AnyCase = Case | GeneralCase
+AnyCase = Case | GeneralCase | SolidsCase
+
+_KINDS: dict[Any, type[AnyCase]] = {"general": GeneralCase, "solids": SolidsCase}
 _DEEPEST = 20  # tables in tables; no key of a case lies so deep
 
 
@@ -68,7 +71,7 @@ def validated(table: Mapping[str, Any], base_directory: Path) -> tuple[AnyCase, 
             table = written_out(table, base_directory)
         except InputError as error:
             problems += error.problems
-    model: type[Case] | type[GeneralCase] = GeneralCase if table.get("problem") == "general" else Case
+    model = _model(table)
     try:
         case = model.model_validate(table)
     except ValidationError as error:
@@ -83,6 +86,12 @@ def validated(table: Mapping[str, Any], base_directory: Path) -> tuple[AnyCase, 
     if problems:
         raise CaseError(problems)
     return case, material
+
+
+def _model(table: Mapping[str, Any]) -> type[AnyCase]:
+    """The schema of the kind of problem that ``table`` names."""
+    kind = table.get("problem")
+    return _KINDS.get(kind, Case) if isinstance(kind, str) else Case
 
 
 def directed(case: AnyCase, directory: Path) -> AnyCase:
@@ -120,7 +129,7 @@ def _with_wear(table: Mapping[str, Any], base_directory: Path) -> Mapping[str, A
 
 def _material_spec(table: Mapping[str, Any]) -> tuple[Any, str]:
     """What the case gives as material, and where it does."""
-    if table.get("problem") == "general":
+    if _model(table) is not Case:
         bodies = table.get("body")
         holder, section = (bodies[0] if isinstance(bodies, list) and bodies else None), "body.material"
     else:
@@ -206,7 +215,7 @@ def toml_value(text: str) -> Any:
 def resolved_toml(case: AnyCase, material: Material) -> str:
     """Case file with every default written out and the material inlined: it alone reproduces the run."""
     table = case.model_dump()
-    holder = table["body"][0] if isinstance(case, GeneralCase) else table["workpiece"]
+    holder = table["workpiece"] if isinstance(case, Case) else table["body"][0]
     holder["temperature"] = initial_temperature(case, material)
     # Last, so that its sub-table does not swallow the keys behind it.
     del holder["material"]
@@ -225,5 +234,5 @@ def _without_none(value: Any) -> Any:
 
 def initial_temperature(case: AnyCase, material: Material) -> float:
     """Temperature (K) of the body at time zero."""
-    given = (case.body[0] if isinstance(case, GeneralCase) else case.workpiece).temperature
+    given = (case.workpiece if isinstance(case, Case) else case.body[0]).temperature
     return material.reference_temperature if given is None else given

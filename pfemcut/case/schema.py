@@ -9,10 +9,10 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from pfemcut.case.particles import CuttingMethod, Particles
 from pfemcut.case.sections import (
     Contact,
     CuttingSolver,
-    Method,
     Output,
     Section,
     SelfContact,
@@ -193,13 +193,16 @@ class Case(Section):
 
     title: str = Field(default="", description="One line for reports")
     problem: Literal["cutting"] = Field(default="cutting", description="Kind of problem")
-    method: Method = Field(default="pfem", description="Numerical method")
+    method: CuttingMethod = Field(default="pfem", description="Numerical method")
     workpiece: Workpiece = Field(description="Table [workpiece]: the block that is cut")
     tool: Tool = Field(description="Table [tool]")
     cutting: Cutting = Field(description="Table [cutting]: the motion of the tool")
     after: After | None = Field(default=None, description="Table [after]: unloading and cooling")
     contact: CuttingContact = Field(default_factory=CuttingContact, description="Table [contact]")
     mesh: Mesh = Field(default_factory=Mesh, description="Table [mesh]: particle spacing")
+    particles: Particles | None = Field(
+        default=None, description="Table [particles]: explicit particles; of the other methods than the PFEM"
+    )
     time: Time = Field(description="Table [time]: time steps")
     solver: CuttingSolver = Field(default_factory=CuttingSolver, description="Table [solver]")
     output: Output = Field(default_factory=Output, description="Table [output]")

@@ -9,11 +9,15 @@ from pfemcut.case.general import general_problem
 from pfemcut.case.general_schema import GeneralCase
 from pfemcut.case.load import AnyCase
 from pfemcut.case.particle_count import require_countable
+from pfemcut.case.particles import SolidsCase
+from pfemcut.case.schema import Case
+from pfemcut.case.solids import cutting_particles, solids_problem
 from pfemcut.materials.material import Material
+from pfemcut.particles.problem import ParticleProblem
 from pfemcut.problem import Problem
 
 
-def problem_of(case: AnyCase, material: Material, base_directory: Path) -> Problem:
+def problem_of(case: AnyCase, material: Material, base_directory: Path) -> Problem | ParticleProblem:
     """The problem of ``case``; files that it names are looked for in ``base_directory``.
 
     Raises
@@ -21,6 +25,15 @@ def problem_of(case: AnyCase, material: Material, base_directory: Path) -> Probl
     InputError
         If a file can't be used, or the mesh would have more particles than could ever be run.
     """
+    if isinstance(case, SolidsCase):
+        return solids_problem(case, material, base_directory)
+    if isinstance(case, Case) and case.method != "pfem":
+        return cutting_particles(case, material)
+    return meshed_problem_of(case, material, base_directory)
+
+
+def meshed_problem_of(case: Case | GeneralCase, material: Material, base_directory: Path) -> Problem:
+    """The problem of a case for the PFEM; see :func:`problem_of`."""
     if isinstance(case, GeneralCase):
         problem = general_problem(case, material, base_directory)
     else:

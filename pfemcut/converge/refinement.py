@@ -8,6 +8,7 @@ from enum import StrEnum
 from typing import Any
 
 from pfemcut.case.load import AnyCase
+from pfemcut.case.particles import ExplicitEnd
 from pfemcut.sweep.plan import Values, Variant
 
 SIZES = (
@@ -19,9 +20,10 @@ SIZES = (
     "far_size",
     "face_size",
     "growth",
+    "spacing",
 )
 """Keys that scale with the mesh; the growth decides how fast the spacing widens, so it is one of them."""
-MESHES = (("mesh",), ("tool", "body"), ("tool", "conduction"))
+MESHES = (("mesh",), ("tool", "body"), ("tool", "conduction"), ("particles",))
 """Tables that these keys are in."""
 CASE = "case"
 """Name of the case as it is."""
@@ -108,6 +110,9 @@ def scaled_steps(case: AnyCase, factor: float) -> Values:
     Where steps may grow beyond the nominal one, plastic flow decides how far: what it allows scales too.
     """
     time = case.time
+    if isinstance(time, ExplicitEnd):
+        # Explicit steps follow the spacing of the particles by themselves.
+        return {}
     found = {"time.step": _rounded(factor * time.step)}
     if time.largest_step is not None:
         found["time.largest_step"] = _rounded(factor * time.largest_step)

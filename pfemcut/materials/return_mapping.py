@@ -164,8 +164,8 @@ def implicit_multiplier(
             low[left] = np.where(excess > 0.0, dl, low[left])
             high[left] = np.where(excess > 0.0, high[left], dl)
             newton = dl + excess / slope[left]
-            # Not strict: at a converged point the bracket has shrunk onto the iterate.
-            inside = (newton >= low[left]) & (newton <= high[left])
+            # The iterate itself is right where it has converged; the bracket's other end would begin a cycle.
+            inside = ((newton > low[left]) & (newton < high[left])) | (newton == dl)
             # Roots lie decades apart, from barely flowing points to the shear zone.
             between = np.where(low[left] > 0.0, np.sqrt(low[left] * high[left]), _DECADES * high[left])
             multiplier[left] = np.where(inside, newton, between)

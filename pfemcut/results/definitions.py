@@ -194,6 +194,20 @@ FIGURES = (
         "mm",
         "Above the tip's lowest point, where the sliding of the particles in contact changes sign.",
     ),
+    Definition(
+        "final_length",
+        "Final length",
+        "mm",
+        "Of an impacting cylinder along its axis, over the outer particles plus one spacing.",
+        Taken.LAST,
+    ),
+    Definition(
+        "mushroom_diameter",
+        "Mushroom diameter",
+        "mm",
+        "Twice the largest distance of a particle from the axis, plus one spacing.",
+        Taken.LAST,
+    ),
     Definition("max_temperature", "Maximum temperature", "K", "Of all particles of the workpiece."),
     Definition(
         "contact_end_temperature",

@@ -1,0 +1,107 @@
+"""What outputs show of particles.
+
+In the plane the particles of a cut are joined to triangles, those of a Delaunay triangulation that are not larger than
+the spacing allows (an alpha shape; Edelsbrunner, Kirkpatrick and Seidel 1983). Only outputs see them: with the body's
+outline every figure that is derived from a mesh has a meaning for particles too. Other problems are clouds of points.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import Delaunay
+
+from pfemcut.method import ContactView, Frame
+from pfemcut.output.vtu import boundary_loops
+from pfemcut.particles.contact import tool_contact_view
+from pfemcut.particles.problem import ParticleProblem
+from pfemcut.particles.state import State
+from pfemcut.particles.stress import linear_pressure, von_mises
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+LARGEST_RADIUS = 1.6
+"""Largest circumradius of a triangle over the spacing of particles at time zero; a square lattice has 0.71."""
+
+
+def frame_of(problem: ParticleProblem, state: State[Any], travel: float) -> Frame:
+    """The frame of ``state``: all particles in one cloud, or the triangles of a cut's first body."""
+    fields = point_fields(problem, state)
+    cells: IntArray = np.empty((0, 3), dtype=np.int64)
+    particles = slice(0, len(state.positions))
+    if problem.cut:
+        particles = problem.ranges[0]
+        cells = joined(state.positions[particles], LARGEST_RADIUS * problem.smoothing.spacing)
+    loops = boundary_loops(cells)
+    return Frame(
+        step=state.clock.batches,
+        time=state.clock.time,
+        travel=travel,
+        points=state.positions[particles],
+        cells=cells,
+        loops=loops,
+        point_fields={name: values[particles] for name, values in fields.items()},
+        cell_fields=cell_fields(fields, cells) if len(cells) else {},
+        tool=tuple(tool.at(state.clock.time) for tool in problem.tool),
+        contact=_on_outline(tool_contact_view(problem, state.positions[particles], state.clock.time), loops),
+    )
+
+
+def point_fields(problem: ParticleProblem, state: State[Any]) -> dict[str, NDArray[Any]]:
+    """Fields on the particles by standard name."""
+    material = state.material
+    bulk = problem.by_body([body.material.bulk_modulus for body in problem.bodies])
+    pressure = linear_pressure(bulk, state.volume_ratio)
+    stress = material.deviator.copy()
+    stress[:, :3] -= pressure[:, None]
+    mises = von_mises(material.deviator)
+    return {
+        "velocity": state.velocities,
+        # As the PFEM's: positive in tension.
+        "pressure": -pressure,
+        "temperature": material.temperature,
+        "particle_id": np.arange(len(pressure)),
+        "body_number": problem.body_number,
+        "equivalent_plastic_strain": material.eqps,
+        "equivalent_plastic_strain_rate": material.rate,
+        "von_mises": mises,
+        "cauchy_stress": stress,
+        "plastic_power": mises * material.rate,
+    }
+
+
+def joined(points: Array, radius: float) -> IntArray:
+    """Delaunay triangles of ``points`` (n, 2) with circumradii up to ``radius`` (mm), counter-clockwise; (m, 3)."""
+    cells = Delaunay(points).simplices.astype(np.int64)
+    a, b, c = (points[cells[:, corner]] for corner in range(3))
+    doubled = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
+    cells[doubled < 0.0] = cells[doubled < 0.0][:, [0, 2, 1]]
+    sides = np.prod([np.hypot(*(b - a).T), np.hypot(*(c - b).T), np.hypot(*(a - c).T)], axis=0)
+    return cells[sides <= radius * 2.0 * np.abs(doubled)]
+
+
+def cell_fields(fields: Mapping[str, NDArray[Any]], cells: IntArray) -> dict[str, Array]:
+    """Means over the corners of triangles of the fields that a mesh has on elements."""
+    names = (
+        "equivalent_plastic_strain",
+        "equivalent_plastic_strain_rate",
+        "von_mises",
+        "plastic_power",
+    )
+    found = {name: fields[name][cells].mean(axis=1) for name in names}
+    found["cauchy_stress"] = fields["cauchy_stress"][:, :4][cells].mean(axis=1)
+    return found
+
+
+def _on_outline(contact: ContactView, loops: tuple[IntArray, ...]) -> ContactView:
+    """``contact`` of the particles on the outline; inner ones may be within reach of the tool too."""
+    kept = (
+        np.isin(contact.particles, np.concatenate(loops)) if loops else np.ones(len(contact.particles), bool)
+    )
+    return ContactView(
+        contact.particles[kept], contact.arc_length[kept], contact.pressure[kept], contact.shear[kept]
+    )

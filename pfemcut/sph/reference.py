@@ -1,0 +1,92 @@
+"""The reference configuration of total-Lagrangian SPH: particles, neighbours and corrected kernel gradients."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pfemcut.particles.kernel import SUPPORT, slopes, weights
+from pfemcut.particles.neighbours import Neighbours, neighbours_within
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+SMALLEST_MOMENT = 1e-3
+"""Determinant of K below which gradients are not corrected; it is one inside of a body."""
+
+
+@dataclass(frozen=True)
+class Reference:
+    """Particles at the time of the last reference update.
+
+    The gradient of the kernel at particle i towards its neighbour j is ``gradient_weight`` (X_j - X_i): it points to
+    the neighbour, so that sum_j V_j (u_j - u_i) ⊗ gradient is the displacement gradient.
+
+    Attributes
+    ----------
+    points
+        X (mm); shape (n, d).
+    volume
+        Of the particles in this configuration (mm^d); shape (n,).
+    neighbours
+        Pairs within the support of the kernel.
+    gradient_weight
+        |dW/dr| / r of each entry (1/mm^(d+2)); shape (k,).
+    kernel
+        W of each entry (1/mm^d); shape (k,).
+    correction
+        K⁻¹ with K_i = sum_j V_j (X_j - X_i) ⊗ gradient, which makes gradients of linear fields exact
+        (Bonet and Lok 1999); the identity where it is switched off; shape (n, d, d).
+    """
+
+    points: Array
+    volume: Array
+    neighbours: Neighbours
+    gradient_weight: Array
+    kernel: Array
+    correction: Array
+
+
+def reference_of(
+    points: Array, volume: Array, body: IntArray, smoothing_length: float, corrected: bool
+) -> Reference:
+    """The reference configuration at ``points`` (n, d) with ``volume`` and number of the ``body`` (n,).
+
+    Particles of different bodies are no neighbours. ``smoothing_length`` in mm.
+    """
+    dimension = points.shape[1]
+    neighbours = neighbours_within(points, SUPPORT * smoothing_length, body)
+    apart = points[neighbours.indices] - points[neighbours.owners]
+    distance = np.sqrt(np.einsum("ka,ka->k", apart, apart))
+    weight = -slopes(distance, smoothing_length, dimension) / distance
+    correction = inverse_moments(moments(neighbours, apart, weight, volume), corrected)
+    return Reference(
+        points, volume, neighbours, weight, weights(distance, smoothing_length, dimension), correction
+    )
+
+
+def inverse_moments(moments: Array, corrected: bool) -> Array:
+    """K⁻¹ (n, d, d) of the ``moments`` K, or the identity where it is not ``corrected`` or can't be.
+
+    Particles on their own, or in a row, have no gradient in some direction to correct.
+    """
+    found = np.broadcast_to(np.eye(moments.shape[1]), moments.shape).copy()
+    if corrected:
+        enough = np.linalg.det(moments) > SMALLEST_MOMENT
+        found[enough] = np.linalg.inv(moments[enough])
+    return found
+
+
+def moments(neighbours: Neighbours, apart: Array, weight: Array, volume: Array) -> Array:
+    """K_i = sum_j V_j (X_j - X_i) ⊗ gradient; shape (n, d, d)."""
+    scaled = weight * volume[neighbours.indices]
+    dimension = apart.shape[1]
+    count = len(neighbours.offsets) - 1
+    moment = np.empty((count, dimension, dimension))
+    for a in range(dimension):
+        for b in range(dimension):
+            terms = scaled * apart[:, a] * apart[:, b]
+            moment[:, a, b] = np.bincount(neighbours.owners, weights=terms, minlength=count)
+    return moment

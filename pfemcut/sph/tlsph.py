@@ -1,0 +1,183 @@
+"""Total-Lagrangian SPH: kernel sums over a reference configuration (Islam et al. 2019, section 2.2; Vignjevic 2006).
+
+Neighbours and kernel gradients are those of the reference, so there is no tensile instability. Where deformation is
+large the present configuration becomes the reference, with new neighbours.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pfemcut.method import RunStopped
+from pfemcut.particles.cells import NeighbourList
+from pfemcut.particles.formulation import Evaluation
+from pfemcut.particles.problem import ParticleProblem
+from pfemcut.particles.state import Arrays
+from pfemcut.particles.stress import PointState, cauchy_stress, linear_pressure, updated_bodies
+from pfemcut.sph.pinball import pinball_forces
+from pfemcut.sph.reference import Reference, reference_of
+from pfemcut.sph.total_lagrangian import damping_force, deformation_gradient, internal_force
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Deformation:
+    """What total-Lagrangian SPH keeps.
+
+    Attributes
+    ----------
+    reference
+        The reference configuration.
+    reference_ratio
+        J of the reference, over time zero; shape (n,).
+    gradient
+        Deformation gradient F from the reference at the end of the last step; shape (n, d, d).
+    """
+
+    reference: Reference
+    reference_ratio: Array
+    gradient: Array
+
+
+class TotalLagrangian:
+    """Total-Lagrangian SPH of a problem."""
+
+    def __init__(self, problem: ParticleProblem) -> None:
+        self._problem = problem
+        self._bulk = problem.by_body([body.material.bulk_modulus for body in problem.bodies])
+        self._shear = problem.by_body([body.material.shear_modulus for body in problem.bodies])
+        self._near = NeighbourList(problem.smoothing.spacing)
+        self._materials = [body.material for body in problem.bodies]
+
+    @property
+    def problem(self) -> ParticleProblem:
+        """The problem."""
+        return self._problem
+
+    def start(self) -> Deformation:
+        """The reference at time zero, undeformed."""
+        return self._undeformed(self._problem.points, np.ones(len(self._problem.points)))
+
+    def evaluate(
+        self, memory: Deformation, material: PointState, positions: Array, velocities: Array, dt: float
+    ) -> Evaluation[Deformation]:
+        """Forces at ``positions`` (n, d), and the material after the step of ``dt`` (s) that led there.
+
+        1. F of the new positions; L dt = (F_{n+1} - F_n) [(F_n + F_{n+1}) / 2]⁻¹, which has no symmetric part in a
+           rotation of any size.
+        2. Jaumann rate and radial return; pressure from J of the whole history.
+        3. P = J sigma F⁻ᵀ and its divergence; artificial viscosity and zero-energy control.
+
+        Raises
+        ------
+        RunStopped
+            If a particle's deformation gradient has turned inside out.
+        """
+        problem, controls = self._problem, self._problem.smoothing
+        reference = memory.reference
+        gradient = deformation_gradient(reference, positions)
+        ratio = np.linalg.det(gradient)
+        if not ratio.min() > 0.0:
+            where = ", ".join(f"{x:.3g}" for x in positions[np.argmin(ratio)])
+            raise RunStopped(
+                f"the particle at ({where}) mm has turned inside out; a smaller [particles] reference_update or "
+                "more viscosity may help"
+            )
+        velocity_gradient = (
+            (gradient - memory.gradient) @ np.linalg.inv(0.5 * (gradient + memory.gradient)) / dt
+        )
+        update = updated_bodies(self._materials, problem.ranges, material, velocity_gradient, dt)
+        volume_ratio = memory.reference_ratio * ratio
+        pressure = linear_pressure(self._bulk, volume_ratio)
+        stress = cauchy_stress(update.state.deviator, pressure, problem.dimension)
+        first_piola = ratio[:, None, None] * stress @ np.linalg.inv(gradient).transpose(0, 2, 1)
+        viscous, control = damping_force(
+            reference,
+            positions,
+            velocities,
+            gradient,
+            problem.mass,
+            problem.inertial_density / volume_ratio,
+            (
+                controls.smoothing_length,
+                controls.alpha,
+                controls.beta,
+                problem.bar_speed,
+                controls.zero_energy * problem.young_modulus,
+            ),
+        )
+        return Evaluation(
+            internal=internal_force(reference, first_piola),
+            viscous=viscous,
+            control=control,
+            between=self._between(positions, velocities, dt),
+            material=update.state,
+            volume_ratio=volume_ratio,
+            plastic_work=float(update.plastic_work @ (problem.volume * volume_ratio)),
+            memory=Deformation(reference, memory.reference_ratio, gradient),
+        )
+
+    def _between(self, positions: Array, velocities: Array, dt: float) -> Array:
+        """Pinball contact between the bodies."""
+        problem = self._problem
+        if len(problem.bodies) == 1:
+            return np.zeros_like(positions)
+        self._near.follow(positions)
+        return pinball_forces(
+            self._near,
+            problem.body_number,
+            positions,
+            velocities,
+            problem.mass,
+            self._shear,
+            problem.smoothing.spacing,
+            problem.smoothing.pinball,
+            dt,
+        )
+
+    def renewed(self, memory: Deformation, positions: Array, volume_ratio: Array) -> tuple[Deformation, bool]:
+        """The present configuration as reference if a pair has been displaced too far relative to each other."""
+        controls = self._problem.smoothing
+        if controls.reference_update == 0.0:
+            return memory, False
+        displacement = positions - memory.reference.points
+        pairs = memory.reference.neighbours
+        relative = displacement[pairs.indices] - displacement[pairs.owners]
+        largest = float(np.sqrt(np.max(np.einsum("ka,ka->k", relative, relative), initial=0.0)))
+        if largest <= controls.reference_update * controls.smoothing_length:
+            return memory, False
+        return self._undeformed(positions, volume_ratio), True
+
+    def arrays(self, memory: Deformation) -> Arrays:
+        """``memory`` for a checkpoint; neighbours and kernels are found again from the points."""
+        return {
+            "reference/points": memory.reference.points,
+            "reference/ratio": memory.reference_ratio,
+            "reference/gradient": memory.gradient,
+        }
+
+    def restored(self, arrays: Arrays) -> Deformation:
+        """The memory that :meth:`arrays` flattened."""
+        points = np.asarray(arrays["reference/points"], dtype=np.float64)
+        ratio = np.asarray(arrays["reference/ratio"], dtype=np.float64)
+        gradient = np.asarray(arrays["reference/gradient"], dtype=np.float64)
+        return Deformation(self._reference(points, ratio), ratio, gradient)
+
+    def _undeformed(self, points: Array, ratio: Array) -> Deformation:
+        dimension = self._problem.dimension
+        identity = np.broadcast_to(np.eye(dimension), (len(points), dimension, dimension)).copy()
+        return Deformation(self._reference(points, ratio), ratio, identity)
+
+    def _reference(self, points: Array, ratio: Array) -> Reference:
+        problem = self._problem
+        return reference_of(
+            points,
+            problem.volume * ratio,
+            problem.body_number,
+            problem.smoothing.smoothing_length,
+            problem.smoothing.corrected,
+        )
