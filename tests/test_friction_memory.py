@@ -123,10 +123,3 @@ def test_friction_goes_by_the_remembered_speed() -> None:
         # Where it slides freely. The view shows the friction with what is known after the step, hardly changed by it.
         ratios.append(np.max(view.shear / view.pressure))
     assert ratios == pytest.approx([0.4, 0.2], rel=0.05)
-
-
-def test_a_checkpoint_of_before_can_be_resumed() -> None:
-    problem = cut_problem()
-    arrays = dict(advanced(problem, 2).state())
-    del arrays["fields/sliding_speed"]
-    PfemMethod.restore(problem, arrays).advance()

@@ -71,7 +71,7 @@ def test_a_new_case_that_is_none_is_not_written(
 
 @settings(max_examples=50, deadline=2000)
 @given(
-    rake=st.floats(-44, 44),
+    rake=st.floats(-44, 44).map(lambda angle: round(angle, 6)),
     tip_radius=st.floats(0.002, 0.2),
     speed=st.floats(1.0, 1e5),
     depths=st.floats(1.0, 50.0),

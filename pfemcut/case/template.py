@@ -64,12 +64,16 @@ def case_template(name: str, material: str, rake: Any, tip_radius: Any, speed: A
     return "\n".join(lines).rstrip() + "\n"
 
 
+_DEMO_TIP, _DEMO_PENALTY = 0.005, 4e7  # mm, MPa/mm
+
+
 def suited(tool: Tool, cutting: Cutting) -> Mapping[str, Mapping[str, float]]:
     """Values that suit a tool and a cut, by section and key.
 
     Half a millimetre of travel or ten depths gives steady means; the block is twenty depths larger than the travel,
     and high. Sizes go with the depth, at the tip with its radius, in the ratios of the demo of AISI 4340, as do the
-    steps: the tool advances 0.07 of the size at the tip in the first ones, and 0.28 at most.
+    steps: the tool advances 0.07 of the size at the tip in the first ones, and 0.28 at most. Below that demo's size at
+    the tip the penalty grows, so that particles sink in by the same part of it.
     """
     depth = cutting.depth
     travel = max(0.5, 10.0 * depth)
@@ -89,6 +93,8 @@ def suited(tool: Tool, cutting: Cutting) -> Mapping[str, Mapping[str, float]]:
             "largest_step": 0.28 * tip_size / cutting.speed,
         },
     }
+    if tip_size < _DEMO_TIP:
+        chosen["contact"] = {"penalty": _DEMO_PENALTY * _DEMO_TIP / tip_size}
     return {
         section: {key: float(f"{value:.3g}") for key, value in keys.items()}
         for section, keys in chosen.items()

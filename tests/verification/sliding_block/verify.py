@@ -54,8 +54,15 @@ LAWS: Mapping[str, Mapping[str, Any]] = {
     "shear": {"law": "shear", "shear_factor": 0.05},
     "usui": {"law": "usui", "coefficient": 0.4, "shear_factor": 0.1},
     "norton-hoff": {"law": "norton-hoff", "coefficient": 1.5e-5},
-    "power": {"law": "power", "coefficient": 0.3, "speed_exponent": -0.2, "temperature_exponent": -0.5},
-    "table": {"law": "table", "coefficient": {"at": [1000.0, 5000.0], "value": [0.3, 0.2]}},
+    # Without memory, whose distance is not small against the block's way.
+    "power": {
+        "law": "power",
+        "coefficient": 0.3,
+        "speed_exponent": -0.2,
+        "temperature_exponent": -0.5,
+        "memory": 0.0,
+    },
+    "table": {"law": "table", "coefficient": {"at": [1000.0, 5000.0], "value": [0.3, 0.2]}, "memory": 0.0},
 }
 
 
