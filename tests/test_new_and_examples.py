@@ -73,13 +73,13 @@ def test_a_new_case_that_is_none_is_not_written(
 @given(
     rake=st.floats(-44, 44).map(lambda angle: round(angle, 6)),
     tip_radius=st.floats(0.002, 0.2),
-    speed=st.floats(1.0, 1e5),
+    speed=st.floats(1.0, 4e4),
     depths=st.floats(1.0, 50.0),
 )
 def test_any_new_cut_suits_the_rules_of_check(
     rake: float, tip_radius: float, speed: float, depths: float
 ) -> None:
-    """Depth from one to fifty tip radii; below one, `check` says that the tool ploughs."""
+    """Depth from one to fifty tip radii; below one, `check` says that the tool ploughs, beyond 40 m/s asks for inertia."""
     text = case_template("case.toml", "aisi4340", rake, tip_radius, speed, depths * tip_radius * 1.001)
     case, material = validated(tomllib.loads(text), ROOT)
     assert warnings(case, material) == []
