@@ -79,7 +79,7 @@ def test_a_new_case_that_is_none_is_not_written(
 def test_any_new_cut_suits_the_rules_of_check(
     rake: float, tip_radius: float, speed: float, depths: float
 ) -> None:
-    """Depth from one to fifty tip radii; below one, `check` says that the tool ploughs, beyond 40 m/s asks for inertia."""
+    """From one to fifty tip radii deep, below which the tool ploughs; to 40 m/s, beyond which inertia is advised."""
     text = case_template("case.toml", "aisi4340", rake, tip_radius, speed, depths * tip_radius * 1.001)
     case, material = validated(tomllib.loads(text), ROOT)
     assert warnings(case, material) == []
