@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -22,6 +23,11 @@ def write_text(path: Path, text: str) -> None:
     """Write a text file."""
     with replacing(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
+
+
+def finite(value: float) -> float | None:
+    """``value`` for a JSON file, which has no nan."""
+    return value if math.isfinite(value) else None
 
 
 def write_json(path: Path, content: Any) -> None:

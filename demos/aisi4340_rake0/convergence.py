@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from pfemcut.converge.order import grid_convergence_index, observed_order
-from pfemcut.validation.study import Outcome, Study, Variant, finite, main, write_table
+from pfemcut.validation.study import Outcome, Study, Variant, main, write_table
+from pfemcut.whole_files import finite
 
 RATIO = math.sqrt(2.0)
 STEP = 2.082e-7

@@ -12,7 +12,8 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 
-from pfemcut.validation.study import Outcome, Study, Variant, finite, main, write_table
+from pfemcut.validation.study import Outcome, Study, Variant, main, write_table
+from pfemcut.whole_files import finite
 
 STEP = 1.041e-7
 LIMIT = 0.03

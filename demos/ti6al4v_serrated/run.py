@@ -29,7 +29,8 @@ from pfemcut.results.derived.segmentation import (
     thickness_profile,
 )
 from pfemcut.validation.small_files import copy_picture, write_thinned
-from pfemcut.validation.study import Outcome, Study, Variant, finite, main, write_table
+from pfemcut.validation.study import Outcome, Study, Variant, main, write_table
+from pfemcut.whole_files import finite
 
 FOLDER = Path(__file__).resolve().parent
 CASE = FOLDER / "case.toml"

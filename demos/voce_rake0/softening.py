@@ -13,7 +13,8 @@ from typing import Any
 import matplotlib.pyplot as plt
 
 from pfemcut.results.published import load_published
-from pfemcut.validation.study import Outcome, Study, Variant, finite, main, write_table
+from pfemcut.validation.study import Outcome, Study, Variant, main, write_table
+from pfemcut.whole_files import finite
 
 FOLDER = Path(__file__).resolve().parent
 PRINTED = 0.001

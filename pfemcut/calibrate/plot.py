@@ -12,17 +12,15 @@ from matplotlib.figure import Figure
 
 from pfemcut.calibrate.cuts import target_names
 from pfemcut.calibrate.study import Calibration, Found
-from pfemcut.whole_files import replacing
+from pfemcut.output.picture_files import write_picture
 
-DOTS_PER_INCH = 130
 BOTH = 2.0
 """Uncertainties are drawn with this many standard deviations to each side."""
 
 
 def write_plot(path: Path, study: Calibration, found: Found) -> None:
     """Write the picture as PNG, at once."""
-    with replacing(path) as temporary:
-        draw(study, found).savefig(temporary, format="png", dpi=DOTS_PER_INCH)
+    write_picture(path, draw(study, found))
 
 
 def draw(study: Calibration, found: Found) -> Figure:

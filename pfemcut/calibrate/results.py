@@ -9,11 +9,11 @@ from typing import Any
 from pfemcut.calibrate.confidence import LEVEL
 from pfemcut.calibrate.cuts import target_names
 from pfemcut.calibrate.study import JSON, TABLE, Calibration, Found
-from pfemcut.output.tables import print_table, write_csv
+from pfemcut.output.tables import or_empty, print_table, write_csv
 from pfemcut.sweep.units import units_of
 from pfemcut.validation.provenance import provenance
 from pfemcut.validation.recorded_run import sessions
-from pfemcut.whole_files import write_json
+from pfemcut.whole_files import finite, write_json
 
 
 def write_found(study: Calibration, found: Found) -> None:
@@ -25,7 +25,7 @@ def write_found(study: Calibration, found: Found) -> None:
         [
             each.parameter.key,
             each.value,
-            *(_known(number) for number in (each.deviation, each.low, each.high)),
+            *(or_empty(number) for number in (each.deviation, each.low, each.high)),
             each.parameter.start,
             each.parameter.low,
             each.parameter.high,
@@ -40,8 +40,8 @@ def write_found(study: Calibration, found: Found) -> None:
                 {
                     "key": each.parameter.key,
                     "value": each.value,
-                    "std": _finite(each.deviation),
-                    "interval": [_finite(each.low), _finite(each.high)],
+                    "std": finite(each.deviation),
+                    "interval": [finite(each.low), finite(each.high)],
                     "bounds": [each.parameter.low, each.parameter.high],
                     "start": each.parameter.start,
                 }
@@ -50,13 +50,13 @@ def write_found(study: Calibration, found: Found) -> None:
             "level": LEVEL,
             "intervals_from": known.basis,
             "correlation": {
-                one: {other: _finite(float(known.correlation[i, j])) for j, other in enumerate(keys)}
+                one: {other: finite(float(known.correlation[i, j])) for j, other in enumerate(keys)}
                 for i, one in enumerate(keys)
             },
-            "condition": _finite(known.condition),
+            "condition": finite(known.condition),
             "misfit": known.misfit,
             "degrees_of_freedom": known.freedom,
-            "plausibility": _finite(known.plausibility),
+            "plausibility": finite(known.plausibility),
             "converged": found.fit.converged,
             "ending": found.fit.ending,
             "points": found.points,
@@ -140,7 +140,7 @@ def _figures(study: Calibration, found: Found) -> Sequence[dict[str, Any]]:
             "uncertainty": target.figure.uncertainty,
             "source": target.figure.source,
             "fitted": float(value),
-            "std": _finite(float(deviation)),
+            "std": finite(float(deviation)),
             "residual": float(value - target.figure.value) / target.figure.uncertainty,
         }
         for name, target, value, deviation in zip(
@@ -151,14 +151,6 @@ def _figures(study: Calibration, found: Found) -> Sequence[dict[str, Any]]:
             strict=True,
         )
     ]
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
-
-
-def _known(value: float) -> object:
-    return value if math.isfinite(value) else ""
 
 
 def _text(value: float, otherwise: str, form: str) -> str:

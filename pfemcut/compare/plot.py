@@ -15,11 +15,10 @@ from matplotlib.lines import Line2D
 
 from pfemcut.compare.sources import Kind, Source
 from pfemcut.compare.table import Comparison, Row
+from pfemcut.output.picture_files import write_picture
 from pfemcut.results.measured import FORCES
 from pfemcut.results.published import KNOWN
-from pfemcut.whole_files import replacing
 
-DOTS_PER_INCH = 130
 COLUMNS = 4
 LINES = {"cutting_force": "-", "thrust_force": "--"}
 TITLE_WIDTH = 26
@@ -29,8 +28,7 @@ LARGEST = 12
 
 def write_plot(path: Path, comparison: Comparison) -> None:
     """Write the picture as PNG, at once."""
-    with replacing(path) as temporary:
-        draw(comparison).savefig(temporary, format="png", dpi=DOTS_PER_INCH)
+    write_picture(path, draw(comparison))
 
 
 def draw(comparison: Comparison) -> Figure:

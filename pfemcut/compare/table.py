@@ -11,8 +11,9 @@ from typing import Any
 
 from pfemcut.compare.sources import Entry, Kind, Source
 from pfemcut.inputs import InputError, nearest
-from pfemcut.output.tables import write_csv
+from pfemcut.output.tables import or_empty, write_csv
 from pfemcut.results.published import KNOWN
+from pfemcut.whole_files import finite
 
 SIGNIFICANT = 2.0
 """A difference of this many combined standard deviations or more is called significant."""
@@ -229,15 +230,15 @@ def write_table(path: Path, comparison: Comparison) -> None:
     for row in comparison.rows:
         cells: list[object] = [row.name, row.unit]
         for index, (entry, difference) in enumerate(zip(row.entries, row.differences, strict=True)):
-            cells += [NOTHING, ""] if entry is None else [entry.value, _known(entry.spread)]
+            cells += [NOTHING, ""] if entry is None else [entry.value, or_empty(entry.spread)]
             if index == comparison.reference:
                 continue
             if difference is None:
                 cells += ["", "", ""]
             else:
                 cells += [
-                    _known(difference.relative),
-                    _known(difference.deviations),
+                    or_empty(difference.relative),
+                    or_empty(difference.deviations),
                     difference.verdict.value,
                 ]
         rows.append(cells)
@@ -257,15 +258,15 @@ def as_json(comparison: Comparison) -> dict[str, Any]:
                 "name": row.name,
                 "unit": row.unit,
                 "values": [
-                    None if entry is None else {"value": entry.value, "spread": _finite(entry.spread)}
+                    None if entry is None else {"value": entry.value, "spread": finite(entry.spread)}
                     for entry in row.entries
                 ],
                 "differences": [
                     None
                     if each is None
                     else {
-                        "relative": _finite(each.relative),
-                        "deviations": _finite(each.deviations),
+                        "relative": finite(each.relative),
+                        "deviations": finite(each.deviations),
                         "verdict": each.verdict.value,
                     }
                     for each in row.differences
@@ -274,11 +275,3 @@ def as_json(comparison: Comparison) -> dict[str, Any]:
             for row in comparison.rows
         ],
     }
-
-
-def _known(value: float) -> object:
-    return value if math.isfinite(value) else ""
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None

@@ -14,9 +14,9 @@ from matplotlib.lines import Line2D
 from pfemcut.converge.order import LARGEST_ORDER, Behaviour
 from pfemcut.converge.results import behaviour_text
 from pfemcut.converge.study import Finding, Refined
+from pfemcut.output.picture_files import write_picture
 from pfemcut.results.definitions import FIGURES
-from pfemcut.sweep.plot import COLUMNS, DOTS_PER_INCH
-from pfemcut.whole_files import replacing
+from pfemcut.sweep.plot import COLUMNS
 
 PNG = "convergence.png"
 
@@ -31,8 +31,7 @@ def write_plot(study: Refined, found: Sequence[Finding]) -> list[Path]:
     if not names:
         return []
     path = study.plan.output / PNG
-    with replacing(path) as temporary:
-        draw(study, names, found).savefig(temporary, format="png", dpi=DOTS_PER_INCH)
+    write_picture(path, draw(study, names, found))
     return [path]
 
 

@@ -10,12 +10,12 @@ from typing import Any
 from pfemcut.converge.order import SMALLEST_ORDER, Behaviour
 from pfemcut.converge.study import Finding, Refined
 from pfemcut.output.directory import HISTORY
-from pfemcut.output.tables import number_text, print_table, write_csv
+from pfemcut.output.tables import number_text, or_empty, print_table, write_csv
 from pfemcut.results.definitions import FIGURES
 from pfemcut.sweep.results import CSV, Outcome
 from pfemcut.validation.provenance import provenance
 from pfemcut.validation.recorded_run import read_history
-from pfemcut.whole_files import write_json
+from pfemcut.whole_files import finite, write_json
 
 TABLE = "convergence.csv"
 JSON = "convergence.json"
@@ -39,9 +39,9 @@ def write_findings(study: Refined, outcomes: Sequence[Outcome], found: Sequence[
                 each.ladder,
                 each.figure,
                 _ITEMS[each.figure].unit,
-                *(_known(value) for value in numbers),
+                *(or_empty(value) for value in numbers),
                 said.behaviour.value,
-                *(_known(value) for value in verdict),
+                *(or_empty(value) for value in verdict),
             ]
         )
     write_csv(output / TABLE, header, rows)
@@ -137,19 +137,11 @@ def _json(finding: Finding) -> dict[str, Any]:
         "ladder": finding.ladder,
         "figure": finding.figure,
         "unit": _ITEMS[finding.figure].unit,
-        "values": [_finite(value) for value in finding.values],
-        "deviations": [_finite(value) for value in finding.deviations],
+        "values": [finite(value) for value in finding.values],
+        "deviations": [finite(value) for value in finding.deviations],
         "behaviour": said.behaviour.value,
-        "observed_order": _finite(said.order),
-        "grid_convergence_index": _finite(said.index),
-        "extrapolated": _finite(said.extrapolated),
-        "half_range": _finite(said.half_range),
+        "observed_order": finite(said.order),
+        "grid_convergence_index": finite(said.index),
+        "extrapolated": finite(said.extrapolated),
+        "half_range": finite(said.half_range),
     }
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
-
-
-def _known(value: float) -> object:
-    return value if math.isfinite(value) else ""

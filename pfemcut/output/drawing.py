@@ -18,14 +18,13 @@ from matplotlib.tri import Triangulation  # noqa: E402
 from numpy.typing import NDArray  # noqa: E402
 
 from pfemcut.method import Frame  # noqa: E402
+from pfemcut.output.picture_files import write_picture  # noqa: E402
 from pfemcut.output.vtu import boundary_loops  # noqa: E402
 from pfemcut.results.derived.chip_section import to_rake_frame  # noqa: E402
 from pfemcut.tools.rigid_wedge import RigidWedge  # noqa: E402
-from pfemcut.whole_files import replacing  # noqa: E402
 
 Array = NDArray[np.float64]
 
-DOTS_PER_INCH = 130
 TOOL_COLOUR = "0.75"
 
 
@@ -105,7 +104,6 @@ def draw_tool(axes: Axes, frame: Frame, view: Array) -> None:
 
 def save(figure: Figure, path: Path) -> Path:
     """Write a figure, at once, and close it; return its path."""
-    with replacing(path) as temporary:
-        figure.savefig(temporary, format="png", dpi=DOTS_PER_INCH)
+    write_picture(path, figure)
     plt.close(figure)
     return path

@@ -16,14 +16,13 @@ from matplotlib.figure import Figure  # noqa: E402
 from numpy.typing import NDArray  # noqa: E402
 
 from pfemcut.output.directory import FIGURES, writing  # noqa: E402
+from pfemcut.output.drawing import save  # noqa: E402
 from pfemcut.output.tool_profiles import CutProfiles, cut_profiles, write_table  # noqa: E402
 from pfemcut.results.derived.tool_profiles import FLANK, Averaged, ToolProfiles  # noqa: E402
-from pfemcut.whole_files import replacing  # noqa: E402
 
 Array = NDArray[np.float64]
 
 NAME = "tool_profiles.png"
-DOTS_PER_INCH = 130
 MICROMETRES_PER_MINUTE = 6e4
 """In a mm/s."""
 
@@ -43,9 +42,7 @@ def write_picture(found: CutProfiles, folder: Path) -> Path:
         folder.mkdir(exist_ok=True)
         path = folder / NAME
         figure = draw_tool_profiles(found)
-        with replacing(path) as temporary:
-            figure.savefig(temporary, dpi=DOTS_PER_INCH, format="png")
-        plt.close(figure)
+        save(figure, path)
     return path
 
 

@@ -20,6 +20,7 @@ from numpy.typing import NDArray  # noqa: E402
 from pfemcut.method import Frame  # noqa: E402
 from pfemcut.output.directory import FIGURES, RESIDUAL  # noqa: E402
 from pfemcut.output.figures import nodal_average  # noqa: E402
+from pfemcut.output.picture_files import write_picture  # noqa: E402
 from pfemcut.output.vtu import read_last_frame  # noqa: E402
 from pfemcut.results.derived.burr import FACE, Burr, exit_burr  # noqa: E402
 from pfemcut.results.derived.patch_recovery import recovered  # noqa: E402
@@ -49,7 +50,7 @@ def write_surface_pictures(directory: Path, summary: Mapping[str, Any]) -> list[
     for name, figure in drawn.items():
         paths.append(directory / FIGURES / f"{name}.png")
         paths[-1].parent.mkdir(exist_ok=True)
-        figure.savefig(paths[-1], dpi=DOTS_PER_INCH, metadata={"Software": None})
+        write_picture(paths[-1], figure, DOTS_PER_INCH)
         plt.close(figure)
     return paths
 

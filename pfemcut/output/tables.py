@@ -18,6 +18,11 @@ LOG_WIDTH = 160
 """Width of tables (characters) where there is no terminal."""
 
 
+def or_empty(value: float) -> float | str:
+    """``value`` for a cell, which is empty without one."""
+    return value if math.isfinite(value) else ""
+
+
 def write_csv(path: Path, header: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
     """Write a table, at once."""
     path.parent.mkdir(parents=True, exist_ok=True)

@@ -13,13 +13,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from pfemcut.output.picture_files import write_picture
 from pfemcut.results.definitions import FIGURES
 from pfemcut.sweep.plan import Plan, short_keys, value_text
 from pfemcut.sweep.results import Outcome
-from pfemcut.whole_files import replacing
 
 PNG = "results.png"
-DOTS_PER_INCH = 130
 COLUMNS = 3
 LOGARITHMIC_FROM = 30.0
 """A parameter that spans more than this ratio has a logarithmic axis."""
@@ -43,8 +42,7 @@ def write_plot(plan: Plan, outcomes: Sequence[Outcome], units: Mapping[str, str]
         return []
     figure = draw(finished, names, plan.keys, units)
     path = plan.output / PNG
-    with replacing(path) as temporary:
-        figure.savefig(temporary, format="png", dpi=DOTS_PER_INCH)
+    write_picture(path, figure)
     return [path]
 
 

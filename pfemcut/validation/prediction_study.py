@@ -9,7 +9,8 @@ from typing import Any, Protocol
 
 from pfemcut.validation.prediction import PlannedCut, load_measurements, numerical_parts, predicted
 from pfemcut.validation.prediction_tables import write_predictions, write_sensitivities
-from pfemcut.validation.study import Outcome, Study, Variant, finite
+from pfemcut.validation.study import Outcome, Study, Variant
+from pfemcut.whole_files import finite
 
 MESH_RATIO = 2.0**0.5
 """By which the coarser mesh is coarser."""

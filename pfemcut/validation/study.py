@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,7 +25,7 @@ from pfemcut.validation.recorded_run import (
     recorded_run,
     sessions,
 )
-from pfemcut.whole_files import write_json
+from pfemcut.whole_files import finite, write_json
 
 REDUCED_CASE = ROOT / "demos" / "aisi4340_demo" / "case.toml"
 """The reduced block and coarse sizes that studies run on."""
@@ -187,11 +186,6 @@ def write_table(path: Path, title: str, header: Sequence[str], rows: Sequence[Se
     lines = [list(header), *texts]
     shown = [list(line) for line in zip(*lines, strict=True)] if len(header) > len(texts) + 1 else lines
     print_table(title, shown[0], shown[1:])
-
-
-def finite(value: float) -> float | None:
-    """``value`` for a JSON file, which has no nan."""
-    return value if math.isfinite(value) else None
 
 
 def finite_figures(

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hmac
 import json
-import math
 import secrets
 import socket
 import sys
@@ -29,6 +28,7 @@ from pfemcut.output.directory import REPORT
 from pfemcut.output.requests import Request, ask
 from pfemcut.watch.picture import FIELD_NAMES, FieldPictures
 from pfemcut.watch.state import COLUMNS, RunReader, RunState, Status
+from pfemcut.whole_files import finite
 
 Array = NDArray[np.float64]
 
@@ -226,12 +226,12 @@ def state_json(state: RunState) -> dict[str, Any]:
         "title": state.title,
         "status": state.status.value,
         "words": state.words,
-        "share": _number(state.share),
-        "to_go": _number(state.to_go),
-        "latest": {name: _number(value) for name, value in state.latest.items()},
-        "travel_end": _number(state.travel_end),
+        "share": finite(state.share),
+        "to_go": finite(state.to_go),
+        "latest": {name: finite(value) for name, value in state.latest.items()},
+        "travel_end": finite(state.travel_end),
         "frame": state.frame,
-        "checkpoint_age": _number(state.checkpoint_age),
+        "checkpoint_age": finite(state.checkpoint_age),
         "requests": list(state.requests),
         "warnings": list(state.warnings),
     }
@@ -244,12 +244,8 @@ def history_json(history: Mapping[str, Array], after: float) -> dict[str, Any]:
         rows = rows[np.unique(np.linspace(0, rows.size - 1, MOST_ROWS).round().astype(int))]
     return {
         "columns": {
-            name: [_number(value) for value in history[name][rows].tolist()]
+            name: [finite(value) for value in history[name][rows].tolist()]
             for name in COLUMNS
             if name in history
         }
     }
-
-
-def _number(value: float) -> float | None:
-    return value if math.isfinite(value) else None
