@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -16,7 +17,10 @@ BoolArray = NDArray[np.bool_]
 
 _SMALLEST_FRACTION = 1.0 / 64.0  # of the Newton correction, in the line search
 _SMALLEST_JACOBIAN = 0.2  # an element that keeps less of its area in one step has inverted, nearly
-_SMOOTHINGS = (1024.0, 256.0, 64.0, 16.0, 4.0)  # of friction, where it does not converge as it is
+_SMOOTHING = 1024.0  # first V_ref over its own, where friction does not converge as it is
+_RATIO = 4.0  # of one V_ref to the next, closer where that does not converge
+_SMALLEST_RATIO = 1.2  # closer than this it is given up
+_SMOOTHEST = 1e6  # V_ref over its own; smoother than this it is given up
 _UNAIDED = 10  # iterations with friction as it is; a solve that needs more seldom ends
 _STAGE_TOLERANCE = 1e-3  # relative, of the residual with smoother friction
 
@@ -168,7 +172,8 @@ def solve_with_friction(
 
     Where a particle nearly sticks, the shear traction jumps from one sign to the other over V_ref, and Newton's method
     may swing between the two for ever; a shorter step does not help. Then it is solved with V_ref first many times as
-    large and then less and less, each time from the last solution.
+    large and then less and less, each time from the last solution: by a factor of 4 at a time, and by less where that
+    is too much, as where a chip sticks along the whole tool.
 
     Parameters
     ----------
@@ -194,8 +199,21 @@ def solve_with_friction(
     except NotConverged as failure:
         iterations = failure.iterations
     rough = replace(controls, tolerance=max(controls.tolerance, _STAGE_TOLERANCE))
-    for smoothing in _SMOOTHINGS:
-        found = solve(smoothing, start, rough)
+    smoothing, reached, ratio = _SMOOTHING, math.inf, _RATIO
+    while True:
+        try:
+            found = solve(smoothing, start, controls if smoothing == 1.0 else rough)
+        except NotConverged as failure:
+            iterations += failure.iterations
+            if math.isinf(reached):
+                smoothing *= _RATIO
+            else:
+                ratio = math.sqrt(ratio)
+                smoothing = max(reached / ratio, 1.0)
+            if smoothing > _SMOOTHEST or ratio < _SMALLEST_RATIO:
+                raise
+            continue
         start, iterations = found.unknown, iterations + found.iterations
-    found = solve(1.0, start, controls)
-    return replace(found, iterations=iterations + found.iterations)
+        if smoothing == 1.0:
+            return replace(found, iterations=iterations)
+        reached, smoothing = smoothing, max(smoothing / ratio, 1.0)
