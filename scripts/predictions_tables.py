@@ -168,8 +168,8 @@ def sensitivities(each: Recorded) -> str:
         lines.append(
             _line(
                 [
-                    f"`{row['run']}`{_star(each, row)}",
-                    f"`{row['relative_to']}`{_star(each, {'run': row['relative_to']})}",
+                    f"`{row['run']}`{_star(each, row['run'])}",
+                    f"`{row['relative_to']}`{_star(each, row['relative_to'])}",
                     *changes,
                     f"{_number(row, 'max_temperature'):.0f}",
                 ]
@@ -180,14 +180,13 @@ def sensitivities(each: Recorded) -> str:
     return "\n".join(lines)
 
 
-def _star(each: Recorded, row: Mapping[str, str]) -> str:
-    """A mark if the chip of a run was not complete all over the window; by its table, else by its recorded warnings."""
-    given = {cut["cut"]: cut["chip_complete"] for cut in each.cuts} | {
-        row["run"]: row.get("chip_complete", "")
-    }
-    if given.get(row["run"]):
-        return "" if given[row["run"]] == "yes" else " *"
-    warned = each.content.get("runs", {}).get(row["run"], {}).get("warnings", ())
+def _star(each: Recorded, run: str) -> str:
+    """A mark if the chip of a run was not complete all over the window; by a table, else by its recorded warnings."""
+    told = {row["cut"]: row["chip_complete"] for row in each.cuts}
+    told |= {row["run"]: row["chip_complete"] for row in each.sensitivities if "chip_complete" in row}
+    if run in told:
+        return "" if told[run] == "yes" else " *"
+    warned = each.content.get("runs", {}).get(run, {}).get("warnings", ())
     return " *" if any(_TOO_SHORT.match(text) for text in warned) else ""
 
 

@@ -82,7 +82,7 @@ def test_runs_whose_chip_was_not_complete_are_marked(module: ModuleType) -> None
         [" `a` ", " `cut` * "],
         [" `b` * ", " `a` "],
         [" `c` * ", " `b` * "],
-        [" `d` ", " `c` "],
+        [" `d` ", " `c` * "],
         [" `e` ", " `whole` "],
     ]
     assert table.endswith(f"\\* {module.SHORT_CHIP}")
