@@ -16,6 +16,7 @@ from pfemcut.output.directory import HISTORY, INPUTS, SUMMARY, TIMING
 from pfemcut.output.surface import surface_figures, surface_warnings
 from pfemcut.output.tool_profiles import cut_profiles, write_table
 from pfemcut.problem import Problem
+from pfemcut.problem.friction_memory import memory_warnings
 from pfemcut.results.derived.profile_figures import profile_figures
 from pfemcut.results.derived.tool_heating import tool_warnings
 from pfemcut.results.history import CORE_COLUMNS, read_table
@@ -36,7 +37,11 @@ def summary_of(
     last = float(columns["time"][-1]) if columns["time"].size else 0.0
     if last > 0.0 and isinstance(problem, Problem):
         # Unloading and cooling are no part of the cut.
-        warnings = (*warnings, *tool_warnings(problem, min(last, problem.time.end)))
+        warnings = (
+            *warnings,
+            *tool_warnings(problem, min(last, problem.time.end)),
+            *memory_warnings(problem),
+        )
     figures: dict[str, dict[str, float | str]] = {}
     for found in cut_profiles(directory):
         write_table(directory, found.profiles)

@@ -233,8 +233,8 @@ class _Run:
         try:
             if fresh:
                 self._record_frame(self._method.frame())
-            end = self._problem.time.end
-            with SignalNotes() as signals, progress_display(end, visible=self._ranks.first) as progress:
+            course = self._problem.course
+            with SignalNotes() as signals, progress_display(course, visible=self._ranks.first) as progress:
                 while not method.finished:
                     self._call(self._callbacks.before_step)
                     begun = time.perf_counter()

@@ -57,6 +57,7 @@ KINDS = (
     Kind("N/(mm s)", "a heat flux", "50 W/mm^2", "W/mm^2", 1e-3),
     Kind("MPa/mm", "a pressure per length", "4e7 MPa/mm"),
     Kind("1/K", "a value per temperature", "12e-6 1/K"),
+    Kind("1/MPa", "a value per stress", "7.8e-9 1/MPa"),
     Kind("1/s", "a rate", "1e3 1/s"),
 )
 """All kinds of quantities in the schema."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+import re
 import sys
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
@@ -26,6 +27,11 @@ FIGURES = {
     "chip_ratio": ("Chip / uncut", 2),
 }
 """Label and decimals of the compared figures."""
+SHORT_CHIP = (
+    "The chip was too short, in part of the window, for the whole range over which its thickness is defined."
+)
+# What a summary warns of; less than half a percent is the edge of the window.
+_TOO_SHORT = re.compile(r"in [1-9]\d*% of the window the chip was too short")
 
 
 @dataclass(frozen=True)
@@ -162,14 +168,26 @@ def sensitivities(each: Recorded) -> str:
         lines.append(
             _line(
                 [
-                    f"`{row['run']}`",
-                    f"`{row['relative_to']}`",
+                    f"`{row['run']}`{_star(each, row['run'])}",
+                    f"`{row['relative_to']}`{_star(each, row['relative_to'])}",
                     *changes,
                     f"{_number(row, 'max_temperature'):.0f}",
                 ]
             )
         )
+    if any(" *" in line for line in lines):
+        lines += ["", f"\\* {SHORT_CHIP}"]
     return "\n".join(lines)
+
+
+def _star(each: Recorded, run: str) -> str:
+    """A mark if the chip of a run was not complete all over the window; by a table, else by its recorded warnings."""
+    told = {row["cut"]: row["chip_complete"] for row in each.cuts}
+    told |= {row["run"]: row["chip_complete"] for row in each.sensitivities if "chip_complete" in row}
+    if run in told:
+        return "" if told[run] == "yes" else " *"
+    warned = each.content.get("runs", {}).get(run, {}).get("warnings", ())
+    return " *" if any(_TOO_SHORT.match(text) for text in warned) else ""
 
 
 SECTIONS: Mapping[str, Callable[[Recorded], str]] = {

@@ -20,8 +20,9 @@ LENGTH = 1.0
 """Length of the chip above the tip (mm)."""
 
 
-def problem(chip_length: float | None) -> Problem:
-    return cut_problem(cutting={} if chip_length is None else {"chip_length": chip_length})
+def problem(chip_length: float | None, *, inertia: bool = False) -> Problem:
+    cutting = {} if chip_length is None else {"chip_length": chip_length}
+    return cut_problem(cutting=cutting, time={"inertia": inertia})
 
 
 def chip_mesh(of: Problem) -> Mesh:
@@ -41,9 +42,9 @@ def chip_mesh(of: Problem) -> Mesh:
     return outline_mesh(np.array(corners), SizeField((), 0.03), np.array([0, 1, 1, 1, 2, 2, 3]))
 
 
-def cut_off(chip_length: float | None) -> tuple[PfemMethod, PfemMethod]:
-    """The run before and after, with a temperature and a plastic strain that vary from place to place."""
-    of = problem(chip_length)
+def cut_off(chip_length: float | None, *, inertia: bool = False) -> tuple[PfemMethod, PfemMethod]:
+    """The run before and after, with a temperature and a plastic strain that vary from place to place; it moves."""
+    of = problem(chip_length, inertia=inertia)
     method = start_on(of, chip_mesh(of))
     points, cells = method.current.mesh.points, method.current.mesh.cells
     middles = points[cells].mean(axis=1)
@@ -53,6 +54,7 @@ def cut_off(chip_length: float | None) -> tuple[PfemMethod, PfemMethod]:
         temperature=300.0 + 100.0 * points[:, 1],
         pressure=50.0 * np.sin(5.0 * points[:, 1]),
         eqps=middles[:, 1],
+        last_displacement=1e-4 * points,
     )
     state = cut_off_chip(of, method.current)
     after = with_fields(of, method)
@@ -116,6 +118,15 @@ def test_mass_energy_and_heat_of_what_goes_are_booked() -> None:
     # start_on keeps the mass of the problem's own block.
     assert after.own_measures()["mass_drift"] == pytest.approx(before.own_measures()["mass_drift"], abs=1e-12)
     assert after.own_measures()["cut_off_mass"] == ledger.cut_off_mass
+
+
+def test_with_inertia_the_kinetic_energy_of_what_goes_is_booked_too() -> None:
+    """So the ledger's error stays; without inertia kinetic energy does not count."""
+    (_, still), (before, after) = cut_off(0.6), cut_off(0.6, inertia=True)
+    kinetic = before.measure().kinetic_energy - after.measure().kinetic_energy
+    assert kinetic > 0.1 * before.measure().kinetic_energy
+    booked = after.current.ledger.cut_off_energy - still.current.ledger.cut_off_energy
+    assert booked == pytest.approx(kinetic, rel=1e-9)
 
 
 @pytest.mark.parametrize("chip_length", [None, 0.9, 1.5, 4.0])

@@ -21,6 +21,7 @@ from pfemcut.method import CutEnded, Frame, Measures, RunStopped
 from pfemcut.output.directory import OutputError
 from pfemcut.output.vtu import read_collection
 from pfemcut.problem import MovingTool
+from pfemcut.problem.course import straight
 from pfemcut.results.checkpoint import CheckpointError, read_checkpoint
 from pfemcut.results.derived.columns import derived_columns
 from pfemcut.results.history import read_table
@@ -93,6 +94,7 @@ def run(
     problem = SimpleNamespace(
         title="a",
         time=SimpleNamespace(end=0.05 * last),
+        course=straight(0.05 * last),
         cut=(CUT,),
         tool=(MovingTool(tool_of(6.0), (-CUT.speed, 0.0)),),
         pairs=(),

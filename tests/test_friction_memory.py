@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
-from problems import Array, advanced, cut_problem, with_fields
+from problems import SHORT_CUT, Array, advanced, cut_problem, with_fields
+from test_history import MEASURES
 
+from pfemcut.case.check import warnings
+from pfemcut.case.load import validated
+from pfemcut.case.translate import problem_of
+from pfemcut.conclusion import summary_of
 from pfemcut.contact.friction import Interface, remembered_speed
 from pfemcut.contact.friction_laws.table import Points, TableLaw
 from pfemcut.pfem.method import PfemMethod
+from pfemcut.results.history import TableWriter
 
 PRESSURE = 1000.0
 SPEED = 700.0
@@ -123,3 +131,26 @@ def test_friction_goes_by_the_remembered_speed() -> None:
         # Where it slides freely. The view shows the friction with what is known after the step, hardly changed by it.
         ratios.append(np.max(view.shear / view.pressure))
     assert ratios == pytest.approx([0.4, 0.2], rel=0.05)
+
+
+def test_where_friction_has_no_memory_check_and_summary_say_so(tmp_path: Path) -> None:
+    """Between the workpiece and a tool that deforms; not on a rigid tool, nor of a law that needs none."""
+    body = {"material": {"base": "aisi4340", "hardening": {"law": "elastic"}}, "width": 0.5, "height": 0.5}
+    falling = {"law": "table", "coefficient": {"at": [333.3, 1666.7], "value": [0.421, 0.244]}}
+    deformable = {**SHORT_CUT["tool"], "model": "deformable", "body": body}
+    for tool, friction, told in (
+        (deformable, falling, 1),
+        (deformable, {**falling, "memory": 0.0}, 0),
+        (deformable, 0.3, 0),
+        (SHORT_CUT["tool"], falling, 0),
+    ):
+        case, material = validated({**SHORT_CUT, "tool": tool, "contact": {"friction": friction}}, tmp_path)
+        assert (
+            sum("its memory acts on a rigid tool only" in text for text in warnings(case, material)) == told
+        )
+        problem = problem_of(case, material, tmp_path)
+        with TableWriter(tmp_path / "history.csv") as table:
+            table.append(vars(MEASURES))
+        summary = summary_of(tmp_path, problem, finished=True, ending="", warnings=())
+        (tmp_path / "history.csv").unlink()
+        assert sum("its memory acts on a rigid tool only" in text for text in summary.warnings) == told

@@ -60,3 +60,31 @@ def test_friction_of_the_rake_face(module: ModuleType) -> None:
             angle = math.atan(friction) - math.radians(rake)
             force = (math.cos(angle), math.sin(angle))
             assert module._friction(force, each) == pytest.approx(friction, abs=1e-12)
+
+
+def test_runs_whose_chip_was_not_complete_are_marked(module: ModuleType) -> None:
+    """By the table where it says so, else by the warnings that were recorded; a cut by its own table."""
+    figures = {f"{name}_change": "0.1" for name in module.FIGURES} | {"max_temperature": "700"}
+    short = "in 13% of the window the chip was too short for the whole chip thickness range"
+    warned = {"b": [short], "d": [short], "e": [short.replace("13%", "0%")]}
+    content = {"runs": {name: {"warnings": texts} for name, texts in warned.items()}}
+    rows = [
+        {**figures, "run": "a", "relative_to": "cut"},
+        {**figures, "run": "b", "relative_to": "a"},
+        {**figures, "run": "c", "relative_to": "b", "chip_complete": "no"},
+        {**figures, "run": "d", "relative_to": "c", "chip_complete": "yes"},
+        {**figures, "run": "e", "relative_to": "whole"},
+    ]
+    cuts = [{"cut": "cut", "chip_complete": "no"}, {"cut": "whole", "chip_complete": "yes"}]
+    table = module.sensitivities(module.Recorded("x", 0.0, cuts, rows, content))
+    names = [line.split("|")[1:3] for line in table.splitlines() if line.startswith("| `")]
+    assert names == [
+        [" `a` ", " `cut` * "],
+        [" `b` * ", " `a` "],
+        [" `c` * ", " `b` * "],
+        [" `d` ", " `c` * "],
+        [" `e` ", " `whole` "],
+    ]
+    assert table.endswith(f"\\* {module.SHORT_CHIP}")
+    whole = module.Recorded("x", 0.0, cuts, rows[4:], content)
+    assert module.SHORT_CHIP not in module.sensitivities(whole)

@@ -87,3 +87,10 @@ def test_an_empty_history_gives_a_summary_too() -> None:
 def test_every_figure_has_a_label_a_unit_and_a_definition() -> None:
     assert len({item.name for item in FIGURES}) == len(FIGURES)
     assert all(item.label and item.unit and item.meaning.endswith(".") for item in FIGURES)
+
+
+def test_a_row_at_the_edge_of_the_window_is_no_short_chip() -> None:
+    """One of 250: nobody is told of 0 %."""
+    complete = np.ones(ROWS)
+    complete[-ROWS // 4 + 1] = 0.0
+    assert summary(chip_complete=complete).warnings == ()

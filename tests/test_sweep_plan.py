@@ -15,7 +15,7 @@ from sweeps import written_case, written_study
 
 from pfemcut.cli.main import status
 from pfemcut.sweep import run as run_module
-from pfemcut.sweep.plan import LONGEST_NAME, name_of, short_keys, variants_of
+from pfemcut.sweep.plan import LONGEST_NAME, name_of, short_keys, value_text, variants_of
 from pfemcut.sweep.pool import Ended
 from pfemcut.sweep.prepare import prepared
 from pfemcut.sweep.study_file import read_plan, value_list
@@ -55,7 +55,9 @@ def test_grid_and_zipped_lists_give_every_combination_once(data: st.DataObject) 
 
 
 @settings(max_examples=40)
-@given(st.lists(st.one_of(st.text(max_size=200), st.floats(allow_nan=False)), unique_by=str, max_size=8))
+@given(
+    st.lists(st.one_of(st.text(max_size=200), st.floats(allow_nan=False)), unique_by=value_text, max_size=8)
+)
 def test_names_are_safe_stable_and_differ(values: list[Any]) -> None:
     names = [name_of({"tool.rake": value}, {"tool.rake": "rake"}) for value in values]
     assert len(set(names)) == len(names)

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from pfemcut.problem.course import straight
 from pfemcut.results.history import CORE_COLUMNS
 from pfemcut.sweep.display import Bars, Lines, last_measures
 from pfemcut.sweep.plot import draw, grouped
@@ -38,7 +39,10 @@ class Terminal(StringIO):
 
 @pytest.mark.parametrize("stream", [StringIO(), Terminal()])
 def test_each_variant_that_ended_gets_a_line(tmp_path: Path, stream: StringIO) -> None:
-    variants: Any = [SimpleNamespace(name=name, directory=tmp_path / name, end=1.0) for name in ("a", "b")]
+    course = straight(1.0)
+    variants: Any = [
+        SimpleNamespace(name=name, directory=tmp_path / name, course=course) for name in ("a", "b")
+    ]
     (tmp_path / "b").mkdir()
     (tmp_path / "b" / "run.log").write_text("fine\nout of memory\n\n")
     (tmp_path / "a").mkdir()

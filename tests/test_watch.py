@@ -23,9 +23,10 @@ from pfemcut.cli.main import status
 from pfemcut.driver import RunInterrupted
 from pfemcut.inputs import InputError
 from pfemcut.output.requests import Request, ask, asked
-from pfemcut.output.vtu import FieldWriter
+from pfemcut.output.vtu import FieldWriter, read_collection
 from pfemcut.results.checkpoint import read_checkpoint
 from pfemcut.results.history import HistoryError, read_table
+from pfemcut.watch.picture import FieldPictures
 from pfemcut.watch.server import KEY_HEADER, WatchServer, history_json
 from pfemcut.watch.state import RunReader, Status
 from pfemcut.watch.tail import TableTail
@@ -231,6 +232,22 @@ def test_state_history_and_picture_are_served(server: WatchServer) -> None:
     FieldWriter(server.reader.directory, 20).write(replace(filled_frame(6.0, 0.15, spacing=0.05), step=21))
     code, body, headers = answer(server, "/field.png?name=temperature")
     assert (code, headers["Content-Type"], body[:4]) == (200, "image/png", b"\x89PNG")
+
+
+def test_a_picture_is_drawn_anew_when_the_same_step_is_written_again(going: Path) -> None:
+    """As by a run that was started again; within a tick of the clock of the file system."""
+    frame = replace(filled_frame(6.0, 0.15, spacing=0.05), step=21)
+    FieldWriter(going, 20).write(frame)
+    pictures = FieldPictures(going)
+    first = pictures.png("temperature")
+    assert pictures.png("temperature") is first
+    files = [going / entry.file for entry in read_collection(going) if entry.step == 21]
+    written = [path.stat() for path in files]
+    hotter = frame.point_fields["temperature"] + 100.0 * frame.points[:, 1]
+    FieldWriter(going, 20).write(replace(frame, point_fields={**frame.point_fields, "temperature": hotter}))
+    for path, before in zip(files, written, strict=True):
+        os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
+    assert pictures.png("temperature") != first
 
 
 def test_requests_of_the_page_reach_the_directory(server: WatchServer) -> None:

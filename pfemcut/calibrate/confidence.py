@@ -123,13 +123,16 @@ def confidence_of(
         scale, quantile = misfit / freedom, float(t.ppf(0.5 + LEVEL / 2.0, freedom))
         basis = f"the misfit (Student's t, {_degrees(freedom)})"
 
-    singular = np.linalg.svd(_unit_columns(jacobian), compute_uv=False)
+    # Columns of unit length, so that neither units nor bounds of the parameters decide what is determined.
+    lengths, units = _unit_columns(jacobian)
+    singular = np.linalg.svd(units, compute_uv=False)
     condition = float(singular[0] / singular[-1]) if singular[-1] > 0.0 else math.inf
     if singular[-1] > _SINGULAR * max(float(singular[0]), 1.0):
-        inverse = np.linalg.pinv(jacobian)
+        inverse = np.linalg.pinv(units)
         covariance = scale * (inverse * (1.0 + noise**2)) @ inverse.T
-        deviations = np.sqrt(np.diag(covariance))
-        correlation = covariance / np.outer(deviations, deviations)
+        widths = np.sqrt(np.diag(covariance))
+        correlation = covariance / np.outer(widths, widths)
+        deviations = widths / lengths
     else:
         deviations, correlation = np.full(count, math.inf), np.full((count, count), math.nan)
     estimates = tuple(
@@ -167,7 +170,7 @@ def _blurred(
     """Warnings of parameters that can't be told apart."""
     found = []
     count = len(parameters)
-    units = _unit_columns(jacobian)
+    _, units = _unit_columns(jacobian)
     for one in range(count):
         for other in range(one + 1, count):
             # Where the covariance is singular, the columns themselves tell.
@@ -214,6 +217,8 @@ def _degrees(freedom: int) -> str:
     return f"{freedom} degree{'s' if freedom > 1 else ''} of freedom"
 
 
-def _unit_columns(jacobian: Array) -> Array:
+def _unit_columns(jacobian: Array) -> tuple[Array, Array]:
+    """Lengths of the columns (1 for that of a parameter without effect), and the columns over them."""
     lengths = np.linalg.norm(jacobian, axis=0)
-    return np.asarray(jacobian / np.where(lengths > 0.0, lengths, 1.0))
+    lengths = np.where(lengths > 0.0, lengths, 1.0)
+    return lengths, np.asarray(jacobian / lengths)

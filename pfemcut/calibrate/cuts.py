@@ -107,10 +107,6 @@ class Cuts:
         variants = [self._variant(point, changes) for point in points for changes in self._cuts]
         return prepared(replace(self._plan, variants=tuple(variants)))
 
-    def folder(self, point: tuple[float, ...]) -> Path:
-        """The folder of the point's first run."""
-        return self._plan.output / self._variant(point, self._cuts[0]).name
-
     def __call__(self, points: Sequence[tuple[float, ...]]) -> list[Computed]:
         """Figures at the points; nan where a run could not go to its end."""
         require_no_launcher()
@@ -129,8 +125,9 @@ class Cuts:
         return found
 
     def _variant(self, point: tuple[float, ...], changes: Values) -> Variant:
-        values = {**dict(zip((each.key for each in self._parameters), point, strict=True)), **changes}
-        return Variant(name_of(values, self._short), values)
+        fitted = dict(zip((each.key for each in self._parameters), point, strict=True))
+        # The cut's values first: one of them may be the material in which a parameter is fitted.
+        return Variant(name_of({**fitted, **changes}, self._short), {**changes, **fitted})
 
     def _computed(self, outcomes: Sequence[Outcome]) -> Computed:
         runs = [outcomes[each.cut] for each in self._targets]

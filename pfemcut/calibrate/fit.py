@@ -101,6 +101,14 @@ class NotComputed(Exception):
         super().__init__(str(point))
 
 
+class _Settled(Exception):
+    """A trial lies so near to the point before it that the search ends; ``scaled`` is the better of both."""
+
+    def __init__(self, scaled: Array) -> None:
+        self.scaled = scaled
+        super().__init__()
+
+
 class Remembered:
     """An evaluation that is asked for each point once.
 
@@ -156,10 +164,29 @@ def fitted(
         (computed,) = remembered([point_at(scaled)])
         return np.asarray((computed.values - measured) / uncertainties)
 
+    reached: list[Array] = []
+    trials: list[Array] = []
+
+    def tried(scaled: Array) -> Array:
+        """Residuals of a trial; raises :class:`_Settled` where no parameter moved by as much as the tolerance.
+
+        The criterion of ``least_squares`` itself, with the norms of step and point, depends on where the range begins
+        and on how many parameters there are.
+        """
+        trials.append(scaled)
+        found = residuals(scaled)
+        for before in reached[-1:]:
+            if np.abs(scaled - before).max() < controls.tolerance:
+                # Not a number is no better.
+                better = float(found @ found) < float(residuals(before) @ residuals(before))
+                raise _Settled(scaled if better else before)
+        return found
+
     taken: list[tuple[Array, Array]] = []
 
     def jacobian(scaled: Array) -> Array:
-        """Differences, those of before where the point hardly moved."""
+        """Differences, those of before where the point hardly moved; asked for at each point that is better."""
+        reached.append(scaled.copy())
         if not taken or np.abs(scaled - taken[-1][0]).max() > KEPT * controls.difference:
             taken.append((scaled.copy(), differences(scaled)))
         return taken[-1][1].copy()
@@ -185,27 +212,30 @@ def fitted(
         raise NotComputed(point_at(start))
     # From 1 to 2 instead of 0 to 1: the first step may be as long as the variables, so that a start near the lower
     # bound would creep.
-    found = least_squares(
-        lambda shifted: residuals(shifted - _SHIFT),
-        start + _SHIFT,
-        jac=lambda shifted: jacobian(shifted - _SHIFT),
-        bounds=(_SHIFT, 1.0 + _SHIFT),
-        method="trf",
-        xtol=controls.tolerance,
-        ftol=controls.tolerance**2,
-        gtol=1e-12,
-        max_nfev=controls.most_steps,
-    )
-    point = point_at(found.x - _SHIFT)
+    try:
+        found = least_squares(
+            lambda shifted: tried(shifted - _SHIFT),
+            start + _SHIFT,
+            jac=lambda shifted: jacobian(shifted - _SHIFT),
+            bounds=(_SHIFT, 1.0 + _SHIFT),
+            method="trf",
+            xtol=None,
+            ftol=controls.tolerance**2,
+            gtol=1e-12,
+            max_nfev=controls.most_steps,
+        )
+        end, converged = found.x - _SHIFT, found.status > 0
+        ending = {
+            0: f"stopped after {controls.most_steps} steps, before it converged",
+            1: "the gradient vanishes",
+            2: "the misfit does not fall any more",
+        }[int(found.status)]
+    except _Settled as settled:
+        end, converged = settled.scaled, True
+        ending = f"steps are below {controls.tolerance:g} of the bounds' range"
+    point = point_at(end)
     (computed,) = remembered([point])
-    ending = {
-        0: f"stopped after {controls.most_steps} steps, before it converged",
-        1: "the gradient vanishes",
-        2: "the misfit does not fall any more",
-        3: f"steps are below {controls.tolerance:g} of the bounds' range",
-        4: "misfit and steps do not change any more",
-    }[int(found.status)]
-    return Fit(point, computed, np.asarray(found.jac), found.status > 0, ending, int(found.nfev))
+    return Fit(point, computed, jacobian(end), converged, ending, len(trials))
 
 
 def _pair(scaled: Array, index: int, controls: Controls) -> tuple[Array, Array]:

@@ -14,7 +14,9 @@ from pfemcut.case.sections import Section
 from pfemcut.inputs import InputError, explained, read_toml
 
 DIGITS = 6
-"""Significant digits of a parameter's value: more would mean nothing, and the value is part of a folder's name."""
+"""Significant digits of a parameter's value, and of its place between the bounds: more would mean nothing, and the
+value is part of a folder's name."""
+_ALL_DIGITS = 17
 _SHAPE = "must be section.key=LOW:HIGH or section.key=LOW:HIGH:START"
 
 
@@ -38,8 +40,13 @@ class Parameter:
     start: float
 
     def value(self, scaled: float) -> float:
-        """The value at ``scaled`` from 0 (low) to 1 (high), to :data:`DIGITS` digits."""
-        return float(f"{self.low + scaled * (self.high - self.low):.{DIGITS}g}")
+        """The value at ``scaled`` from 0 (low) to 1 (high), to :data:`DIGITS` digits, never beyond a bound."""
+        exact = self.low + scaled * (self.high - self.low)
+        # Bounds that are near to each other differ in their last digits only: there it takes more.
+        decimals = DIGITS - 1 - math.floor(math.log10(self.high - self.low))
+        digits = DIGITS if exact == 0.0 else decimals + 1 + math.floor(math.log10(abs(exact)))
+        rounded = float(f"{exact:.{min(max(digits, DIGITS), _ALL_DIGITS)}g}")
+        return min(max(rounded, self.low), self.high)
 
     def scaled(self, value: float) -> float:
         """Where the value lies between the bounds, from 0 to 1."""

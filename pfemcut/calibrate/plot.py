@@ -37,15 +37,24 @@ def draw(study: Calibration, found: Found) -> Figure:
 
 
 def _draw_figures(axes: Axes, study: Calibration, found: Found) -> None:
-    """Fitted over measured, so that figures of all units share one axis."""
+    """Fitted over measured, so that figures of all units share one axis; of those measured as zero, in words."""
     measured = np.array([each.figure.value for each in study.targets])
-    reach = BOTH * np.array([each.figure.uncertainty for each in study.targets]) / np.abs(measured)
-    fitted = found.fit.computed.values / measured
-    spread = BOTH * np.nan_to_num(found.fit.computed.deviations) / np.abs(measured)
+    uncertainties = np.array([each.figure.uncertainty for each in study.targets])
+    computed = found.fit.computed
     at = np.arange(len(measured))[::-1]
+    for level, wanted, value, uncertainty in zip(at, measured, computed.values, uncertainties, strict=True):
+        if wanted == 0.0:
+            text = f"fitted {value:.3g}, {value / uncertainty:+.1f} std from it"
+            axes.text(1.0, level, text, ha="center", va="center", fontsize="small", color="C0")
+    # Over a measured zero everything is infinite.
+    drawn = measured != 0.0
+    levels, over = at[drawn], measured[drawn]
+    reach = BOTH * uncertainties[drawn] / np.abs(over)
+    fitted = computed.values[drawn] / over
+    spread = BOTH * np.nan_to_num(computed.deviations[drawn]) / np.abs(over)
     axes.errorbar(
-        np.ones_like(measured),
-        at + 0.12,
+        np.ones_like(over),
+        levels + 0.12,
         xerr=reach,
         fmt="s",
         color="0.3",
@@ -53,7 +62,13 @@ def _draw_figures(axes: Axes, study: Calibration, found: Found) -> None:
         label="measured ± 2 std",
     )
     axes.errorbar(
-        fitted, at - 0.12, xerr=spread, fmt="o", color="C0", capsize=3, label="fitted ± 2 std over the window"
+        fitted,
+        levels - 0.12,
+        xerr=spread,
+        fmt="o",
+        color="C0",
+        capsize=3,
+        label="fitted ± 2 std over the window",
     )
     names = target_names(study.targets, study.cuts)
     labels = [

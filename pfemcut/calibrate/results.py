@@ -66,7 +66,7 @@ def write_found(study: Calibration, found: Found) -> None:
             "controls": vars(study.controls),
             "uncertainties_assumed": study.assumed,
             "for_all": dict(study.common),
-            "warnings": list(known.warnings),
+            "warnings": list(found.warnings),
             "runs": [
                 {
                     "name": each.variant.name,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -16,7 +17,7 @@ from pfemcut.inputs import InputError
 from pfemcut.method import RunStopped
 from pfemcut.output.directory import writing
 from pfemcut.results.measured import load_measured
-from pfemcut.sweep.plan import Values
+from pfemcut.sweep.plan import Values, value_text
 from pfemcut.sweep.results import Outcome
 from pfemcut.sweep.run import Say
 
@@ -63,6 +64,11 @@ class Found:
     confidence: Confidence
     runs: tuple[Outcome, ...]
     points: int
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What a user of the parameters must know: of the fit, and of the runs whose figures were fitted."""
+        return (*self.confidence.warnings, *(text for run in self.runs for text in warnings_of(run)))
 
 
 def planned(
@@ -117,8 +123,20 @@ def planned(
     targets, cuts = targets_of(figures)
     if len(targets) < len(parameters):
         problems.append(f"{len(targets)} measured figures can't determine {len(parameters)} parameters")
-    for name, keys in (("--set", common), (str(measured_file), {k for changes in cuts for k in changes})):
-        problems += [f"{name}: '{each.key}' is fitted" for each in parameters if each.key in keys]
+    of_cuts = dict.fromkeys(key for changes in cuts for key in changes)
+    for name, keys in (("--set", common), (str(measured_file), of_cuts)):
+        problems += [
+            f"{name}: '{key}' is fitted, by '{each.key}'" if key != each.key else f"{name}: '{key}' is fitted"
+            for each in parameters
+            for key in keys
+            if within(key, each.key)
+        ]
+    problems += [
+        f"--set: '{key}' would have no effect: {measured_file} gives '{other}' for its cuts"
+        for other in of_cuts
+        for key in common
+        if within(key, other)
+    ]
     if problems:
         raise InputError(problems)
     values = own_values(case_file, output, common, parameters)
@@ -147,9 +165,11 @@ def calibrate(study: Calibration, evaluate: Cuts) -> Found:
     try:
         fit = fitted(study.parameters, measured, uncertainties, evaluate, study.controls)
     except NotComputed as error:
+        folders = [str(each.variant.directory) for each in evaluate.last[error.point] if not each.finished]
+        runs = "a run" if len(folders) == 1 else f"{len(folders)} runs"
         raise RunStopped(
-            f"a run that the search needs did not finish, see {evaluate.folder(error.point)}: other bounds or another "
-            "start may avoid it"
+            f"{runs} that the search needs did not finish, see {', '.join(folders)}: "
+            "other bounds or another start may avoid it"
         ) from None
     known = confidence_of(
         fit,
@@ -188,10 +208,30 @@ def run_calibration(study: Calibration, jobs: int, *, overwrite: bool, say: Say)
         write_found(study, found)
         write_plot(study.output / PNG, study, found)
     print_found(study, found)
-    for text in found.confidence.warnings:
+    for text in found.warnings:
         say(f"warning: {text}")
-    changes = " ".join(f"--set {each.parameter.key}={each.value:g}" for each in found.confidence.estimates)
-    say(f"fitted: {changes}")
     for name in (TABLE, JSON, PNG):
         say(str(study.output / name))
+    say(run_command(study, found))
     return found
+
+
+def run_command(study: Calibration, found: Found) -> str:
+    """The command that runs the case with the fitted parameters."""
+    fitted = {each.parameter.key: each.value for each in found.confidence.estimates}
+    values = [f"{key}={value_text(value)}" for key, value in {**study.common, **fitted}.items()]
+    options = [word for value in values for word in ("--set", value)]
+    return shlex.join(["pfemcut", "run", str(study.case_file), *options])
+
+
+def warnings_of(run: Outcome) -> list[str]:
+    """What a run's summary warns of, and if its cut was not steady; with the run's name."""
+    texts = list(map(str, run.summary["warnings"]))
+    if not run.steady and not any("not steady" in text for text in texts):
+        texts.insert(0, "not steady")
+    return [f"{run.variant.name}: {text}" for text in texts]
+
+
+def within(key: str, other: str) -> bool:
+    """Whether a value at ``other`` replaces that at ``key``: they are the same, or ``key`` lies in it."""
+    return f"{key}.".startswith(f"{other}.")

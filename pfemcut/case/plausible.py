@@ -10,6 +10,7 @@ import numpy as np
 from pfemcut.case.particle_count import body_counts, chip_count
 from pfemcut.materials.material import Material
 from pfemcut.problem import ContactLaw, Problem
+from pfemcut.problem.friction_memory import memory_warnings
 
 SOUND_FRACTION = 0.1
 """Of the speed of elastic waves, where the quasi-static balance has lost its meaning."""
@@ -40,6 +41,7 @@ def implausible(problem: Problem) -> list[str]:
         *_temperatures(problem),
         *_speed(problem),
         *_contact(problem),
+        *memory_warnings(problem),
         *_size(problem),
     ]
 

@@ -50,7 +50,10 @@ def calibrate(
     ] = False,
     tolerance: Annotated[
         float,
-        typer.Option(metavar="PART", help="The search ends with steps below this part of the range."),
+        typer.Option(
+            metavar="PART",
+            help="The search ends with a step below this part of the range in every parameter.",
+        ),
     ] = 2e-3,
     steps: Annotated[int, typer.Option(metavar="N", min=1, help="Steps of the search at most.")] = 20,
     output: Annotated[

@@ -88,7 +88,7 @@ def _reference(paths: Sequence[Path], given: Path | None) -> int:
 
 
 def _write(path: Path, comparison: Comparison) -> list[Path]:
-    from pfemcut.compare.plot import write_plot
+    from pfemcut.compare.plot import left_out_of, write_plot
     from pfemcut.compare.table import as_json, markdown, write_table
     from pfemcut.output.directory import writing
     from pfemcut.validation.provenance import provenance
@@ -109,4 +109,6 @@ def _write(path: Path, comparison: Comparison) -> list[Path]:
         for target in targets:
             target.parent.mkdir(parents=True, exist_ok=True)
             writers[target.suffix](target)
+    if any(target.suffix == ".png" for target in targets) and (left_out := left_out_of(comparison)):
+        say(f"the picture has {left_out}")
     return targets

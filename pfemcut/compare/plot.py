@@ -23,7 +23,7 @@ COLUMNS = 4
 LINES = {"cutting_force": "-", "thrust_force": "--"}
 TITLE_WIDTH = 26
 LARGEST = 12
-"""Bars of so many figures at most: the first ones."""
+"""Bars of so many figures at most: the first ones. The picture says how many are left out."""
 
 
 def write_plot(path: Path, comparison: Comparison) -> None:
@@ -51,7 +51,15 @@ def draw(comparison: Comparison) -> Figure:
         for source, colour in zip(sources, colours, strict=True)
     ]
     figure.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), 4), fontsize="small")
+    if left_out := left_out_of(comparison):
+        figure.suptitle(left_out, fontsize="small", color="0.4", x=0.99, ha="right")
     return figure
+
+
+def left_out_of(comparison: Comparison) -> str:
+    """What the picture does not show, in words; nothing if it shows all figures."""
+    count = len(comparison.rows) - LARGEST
+    return f"bars of the first {LARGEST} figures; the table has {count} more" if count > 0 else ""
 
 
 def _draw_curves(axes: Axes, sources: Sequence[Source], colours: Sequence[Any]) -> None:

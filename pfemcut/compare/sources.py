@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
@@ -12,12 +13,14 @@ from typing import Any
 
 import numpy as np
 
+from pfemcut.case.load import replaced, resolved_toml, validated
 from pfemcut.inputs import InputError, read_toml
 from pfemcut.output.directory import HISTORY, INPUTS, SUMMARY
 from pfemcut.results.history import HistoryError, read_table
 from pfemcut.results.measured import FORCES, TRAVEL, Array, Curve, cuts_of, load_measured
 from pfemcut.results.published import KNOWN, load_published
 from pfemcut.results.summary import summarise
+from pfemcut.sweep.plan import Values
 
 TELLS_NOTHING = ("results", "out")
 """Folders that are called after the one that they are in."""
@@ -192,8 +195,7 @@ def _measurement(path: Path, first_run: Path | None) -> Source:
         inputs = None if first_run is None else first_run / INPUTS
         if inputs is None or not inputs.is_file():
             raise InputError([f"{path}: has cuts of its own, and there is no {INPUTS} to choose one by"])
-        of_run = read_toml(inputs)
-        fitting = [cut for cut in cuts if all(_same(of_run, key, value) for key, value in cut[0].items())]
+        fitting = [cut for cut in cuts if _is_of(inputs, cut[0], path)]
         if not fitting:
             varied = sorted({key for changes, _ in cuts for key in changes})
             raise InputError([f"{path}: none of its cuts has the {', '.join(varied)} of {first_run}"])
@@ -208,13 +210,48 @@ def _measurement(path: Path, first_run: Path | None) -> Source:
     return Source("", Kind.MEASURED, entries, measured.curve, notes)
 
 
-def _same(table: Mapping[str, Any], key: str, wanted: Any) -> bool:
+def _is_of(inputs: Path, changes: Values, path: Path) -> bool:
+    """Whether a cut's ``changes`` are what the resolved case ``inputs`` of a run has.
+
+    Raises
+    ------
+    InputError
+        If a case can't have these values, such as lengths for a speed.
+    """
+    of_run = read_toml(inputs)
+    return all(_same(of_run, key, value, inputs, path) for key, value in changes.items())
+
+
+def _same(of_run: Mapping[str, Any], key: str, wanted: Any, inputs: Path, path: Path) -> bool:
+    value = _at(of_run, key)
+    if isinstance(wanted, str) and wanted != value:
+        # As text a number with its unit, or a name: what a case makes of it is compared.
+        changed = replaced(of_run, key.split("."), wanted, f"{path}: column '{key}'")
+        try:
+            case, material = validated(changed, inputs.parent)
+        except InputError as error:
+            raise InputError(f"{path}: {problem}" for problem in error.problems) from None
+        wanted = _at(tomllib.loads(resolved_toml(case, material)), key)
+    return _alike(value, wanted)
+
+
+def _at(table: Mapping[str, Any], key: str) -> Any:
+    """The value at a path of keys; None without one."""
     value: Any = table
     for part in key.split("."):
         value = value.get(part) if isinstance(value, Mapping) else None
-    if isinstance(value, int | float) and isinstance(wanted, int | float):
-        return math.isclose(value, wanted, rel_tol=1e-9)
-    return bool(value == wanted)
+    return value
+
+
+def _alike(one: Any, other: Any) -> bool:
+    """Whether two parsed tables are equal, numbers but for round-off."""
+    if isinstance(one, Mapping) and isinstance(other, Mapping):
+        return one.keys() == other.keys() and all(_alike(value, other[key]) for key, value in one.items())
+    if isinstance(one, list) and isinstance(other, list):
+        return len(one) == len(other) and all(map(_alike, one, other))
+    if type(one) in (int, float) and type(other) in (int, float):
+        return math.isclose(one, other, rel_tol=1e-9)
+    return bool(one == other)
 
 
 def _unit_problems(sources: Sequence[Source]) -> list[str]:

@@ -17,6 +17,7 @@ from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
 
 from pfemcut.launcher import launched
 from pfemcut.method import Measures
+from pfemcut.problem.course import Course
 
 PLAIN_INTERVAL = 5.0
 PLAIN_INTERVAL_LATER = 60.0
@@ -36,13 +37,15 @@ class ProgressDisplay(Protocol):
     ) -> None: ...
 
 
-def progress_display(end: float, stream: TextIO | None = None, *, visible: bool = True) -> ProgressDisplay:
+def progress_display(
+    course: Course, stream: TextIO | None = None, *, visible: bool = True
+) -> ProgressDisplay:
     """Return the display that suits ``stream`` (standard output if None).
 
     Parameters
     ----------
-    end
-        Final time of the run (s).
+    course
+        How far the run is at each time.
     stream
         Where to show it. Under mpirun it is no terminal, even if it says so: Open MPI's mpirun gives its processes a
         pseudo-terminal, whatever its own output is.
@@ -52,7 +55,7 @@ def progress_display(end: float, stream: TextIO | None = None, *, visible: bool 
     if not visible:
         return Silent()
     stream = stream or sys.stdout
-    return Live(end, stream) if stream.isatty() and not launched() else PlainLines(end, stream)
+    return Live(course, stream) if stream.isatty() and not launched() else PlainLines(course, stream)
 
 
 def state_text(measures: Measures) -> str:
@@ -68,19 +71,19 @@ def state_line(measures: Measures) -> str:
     return f"{state_text(measures)}  {measures.nodes} particles  step {measures.step}"
 
 
-def remaining(begun: float, now: float, first: float, present: float, end: float) -> float:
+def remaining(begun: float, now: float, first: float, present: float) -> float:
     """Return the wall time to go (s), at the mean pace since the run began or was resumed; inf at first.
 
     Parameters
     ----------
     begun, now
         Wall clock at the first time and now (s).
-    first, present, end
-        Simulated time at the first, the present and the last instant (s).
+    first, present
+        Part of the run that was done at the first time and is now.
     """
     if present <= first:
         return float("inf")
-    return max(end - present, 0.0) * (now - begun) / (present - first)
+    return max(1.0 - present, 0.0) * (now - begun) / (present - first)
 
 
 def duration(seconds: float) -> str:
@@ -94,17 +97,17 @@ def duration(seconds: float) -> str:
 class _Pace:
     """The pace of the run since its first step here, for the time to go."""
 
-    def __init__(self, end: float, clock: Callable[[], float]) -> None:
-        self._end = end
+    def __init__(self, course: Course, clock: Callable[[], float]) -> None:
+        self._course = course
         self._clock = clock
         self._first: tuple[float, float] | None = None
 
-    def to_go(self, present: float) -> str:
-        now = self._clock()
+    def to_go(self, time: float) -> str:
+        now, present = self._clock(), self._course.share(time)
         if self._first is None:
             self._first = (now, present)
         begun, first = self._first
-        return duration(remaining(begun, now, first, present, self._end))
+        return duration(remaining(begun, now, first, present))
 
 
 class Silent:
@@ -127,8 +130,8 @@ class PlainLines(Silent):
 
     Parameters
     ----------
-    end
-        Final time of the run (s).
+    course
+        How far the run is at each time.
     stream
         Where to write.
     interval
@@ -139,7 +142,7 @@ class PlainLines(Silent):
 
     def __init__(
         self,
-        end: float,
+        course: Course,
         stream: TextIO,
         interval: float = PLAIN_INTERVAL,
         clock: Callable[[], float] = time.monotonic,
@@ -147,7 +150,7 @@ class PlainLines(Silent):
         self._stream = stream
         self._interval = interval
         self._clock = clock
-        self._pace = _Pace(end, clock)
+        self._pace = _Pace(course, clock)
         self._begun = clock()
         self._last_line = float("-inf")
         self._unshown = ""
@@ -178,14 +181,15 @@ class Live:
 
     Parameters
     ----------
-    end
-        Final time of the run (s).
+    course
+        How far the run is at each time.
     stream
         A terminal.
     """
 
-    def __init__(self, end: float, stream: TextIO) -> None:
-        self._pace = _Pace(end, time.monotonic)
+    def __init__(self, course: Course, stream: TextIO) -> None:
+        self._course = course
+        self._pace = _Pace(course, time.monotonic)
         self._bar = Progress(
             BarColumn(bar_width=8),
             TaskProgressColumn(),
@@ -193,13 +197,13 @@ class Live:
             TextColumn("to go {task.fields[to_go]}"),
             console=Console(file=stream),
         )
-        self._task = self._bar.add_task("starting", total=end, to_go="?")
+        self._task = self._bar.add_task("starting", total=1.0, to_go="?")
 
     def show(self, measures: Measures) -> None:
         """Update the bar."""
         self._bar.update(
             self._task,
-            completed=measures.time,
+            completed=self._course.share(measures.time),
             description=state_text(measures),
             to_go=self._pace.to_go(measures.time),
         )

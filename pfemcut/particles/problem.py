@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from pfemcut.materials.material import Material
 from pfemcut.problem import ContactLaw, Cut, MovingTool
+from pfemcut.problem.course import Course, straight
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -177,6 +178,11 @@ class ParticleProblem:
     smoothing: SmoothingControls
     cut: tuple[Cut, ...] = ()
     gauges: tuple[Gauge, ...] = ()
+
+    @property
+    def course(self) -> Course:
+        """How far a run is at each time."""
+        return straight(self.time.end)
 
     def ends_stage(self, time: float) -> bool:
         """Whether a stage ends at ``time`` (s); there is one only."""

@@ -1,8 +1,8 @@
 """The end of a long chip is cut off (``[cutting] chip_length``), so that the particles of a long cut get no more.
 
-It is severed along element edges across the chip: what stays keeps every bit, and mass, stored energy and heat of what
-goes are booked in the ledger. The new end is a free surface from then on; the stress that it carried is released in
-the next step.
+It is severed along element edges across the chip: what stays keeps every bit, and mass, energy (stored, with inertia
+also kinetic) and heat of what goes are booked in the ledger. The new end is a free surface from then on; the stress
+that it carried is released in the next step.
 """
 
 from __future__ import annotations
@@ -88,15 +88,20 @@ def _supported_parts(problem: Problem) -> list[int]:
 
 
 def _amounts(problem: Problem, state: State, mesh: Mesh, fields: Fields) -> dict[str, float]:
-    """Mass, stored energy (elastic and of springs) and heat that went."""
-    time = state.clock.time
+    """Mass, energy (elastic, of springs, with inertia also kinetic) and heat that went."""
+    time, last_step = state.clock.time, state.clock.last_dt
+    kinetic = 0.0
+    if problem.time.inertia:
+        kinetic = energies.kinetic_energy(problem, state.mesh, state.fields, last_step)
+        kinetic -= energies.kinetic_energy(problem, mesh, fields, last_step)
     return {
         "cut_off_mass": energies.mass(problem, state.mesh, state.fields)
         - energies.mass(problem, mesh, fields),
         "cut_off_energy": energies.elastic_energy(problem, state.mesh, state.fields)
         + energies.contact_energy(problem, state.mesh, time)
         - energies.elastic_energy(problem, mesh, fields)
-        - energies.contact_energy(problem, mesh, time),
+        - energies.contact_energy(problem, mesh, time)
+        + kinetic,
         "cut_off_heat": energies.heat_content(problem, state.mesh, state.fields)
         - energies.heat_content(problem, mesh, fields),
     }

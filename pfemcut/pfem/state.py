@@ -196,7 +196,8 @@ class Ledger:
     ``contact`` and ``remeshing`` can have either sign. Heat: ``heat_generated`` is chi times plastic work plus the
     body's part of friction, ``heat_supplied`` came through boundaries, ``heat_to_tool`` left through the interface,
     ``heat_to_holder`` left a conducting tool, ``heat_remeshing`` is the content after minus before each transfer.
-    ``cut_off_mass`` (tonne/mm), ``cut_off_energy`` (stored) and ``cut_off_heat`` went with pieces of the chip.
+    ``cut_off_mass`` (tonne/mm), ``cut_off_energy`` (stored, with inertia also kinetic) and ``cut_off_heat`` went with
+    pieces of the chip.
     """
 
     tool_work: float = 0.0

@@ -26,6 +26,7 @@ from pfemcut.problem.conditions import (
     Traction,
 )
 from pfemcut.problem.controls import NewtonControls, ParticleControls, StabilisationModulus, TimeControls
+from pfemcut.problem.course import Course, course_of
 from pfemcut.tools.rigid_wedge import RigidWedge
 
 _SAME = 1e-12  # relative difference of times that are one
@@ -315,6 +316,11 @@ class Problem:
     def end(self) -> float:
         """Final time of the last stage (s)."""
         return (self, *self.after)[-1].time.end
+
+    @property
+    def course(self) -> Course:
+        """How far a run is at each time."""
+        return course_of([stage.time for stage in (self, *self.after)])
 
     def ends_stage(self, time: float) -> bool:
         """Whether a stage ends at ``time`` (s)."""

@@ -12,13 +12,15 @@ A file of a curve has forces per width (N/mm) against the travel of the tool (mm
     travel,cutting_force,thrust_force
     0.001,12.5,8.1
 
-Lines that begin with ``#`` and empty lines are skipped.
+A column that tells cuts apart may have its unit in brackets, ``cutting.speed (m/min)``, or in each cell, as in case
+files. Lines that begin with ``#`` and empty lines are skipped.
 """
 
 from __future__ import annotations
 
 import csv
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -52,6 +54,7 @@ SAME_UNITS = {
     "mm^-1": "1/mm",
 }
 """Other ways to write a unit, of the same size."""
+_UNIT = re.compile(r"\s*(\(.*\)|\[.*\])\s*$")
 
 
 @dataclass(frozen=True)
@@ -120,7 +123,8 @@ def load_measured(path: Path) -> Measured:
     if not lines:
         raise InputError([f"{path}: is empty"])
     header = [name.strip() for name in lines[0][1]]
-    twice = sorted({name for name in header if header.count(name) > 1})
+    bare = [_bare(name) for name in header]
+    twice = sorted({name for name in bare if bare.count(name) > 1})
     if twice:
         raise InputError(f"{path}: column '{name}' is there twice" for name in twice)
     rows: list[tuple[int, dict[str, str]]] = []
@@ -181,16 +185,18 @@ def _figures(
 ) -> tuple[MeasuredFigure, ...]:
     problems = [f"{path}: column '{name}' is missing" for name in REQUIRED if name not in header]
     problems += [
-        f"{path}: unknown column '{name}'{nearest(name, COLUMNS)}"
+        f"{path}: column '{name}': units stand in the column 'unit', a row a figure"
+        if _bare(name) in COLUMNS
+        else f"{path}: unknown column '{name}'{nearest(name, COLUMNS)}"
         for name in header
-        if name not in COLUMNS and "." not in name
+        if name not in COLUMNS and "." not in _bare(name)
     ]
     if problems:
         raise InputError(problems)
     figures: list[MeasuredFigure] = []
     for number, row in rows:
         place, name = f"{path}: line {number}", row["figure"]
-        changes = {key: toml_value(text) for key, text in row.items() if "." in key and text}
+        changes = {_bare(key): _changed(text, _unit(key)) for key, text in row.items() if "." in key and text}
         value, wrong = _number(row["value"])
         problems += [f"{place}: value: {wrong}"] if wrong else []
         uncertainty, wrong = _number(row.get("uncertainty", "")) if row.get("uncertainty") else (math.nan, "")
@@ -256,10 +262,18 @@ def _number(text: str) -> tuple[float, str]:
     return (value, "") if math.isfinite(value) else (math.nan, f"given '{text}', must be a finite number")
 
 
+def _changed(text: str, unit: str) -> Any:
+    """What a cell changes in a case: a number with the unit of its column as text, which cases take."""
+    value = toml_value(text)
+    return f"{text} {unit}" if unit and type(value) in (int, float) else value
+
+
 def _bare(name: str) -> str:
     """The name of a column without the unit in brackets behind it."""
-    return name.partition("(")[0].strip()
+    return _UNIT.sub("", name).strip()
 
 
 def _unit(name: str) -> str:
-    return name.partition("(")[2].rstrip(") ").strip()
+    """The unit in brackets behind the name of a column; empty without one."""
+    found = _UNIT.search(name)
+    return found[0].strip()[1:-1].strip() if found else ""

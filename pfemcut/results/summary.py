@@ -26,6 +26,8 @@ Array = NDArray[np.float64]
 LARGEST_ENERGY_ERROR = 0.03
 LARGEST_HEAT_ERROR = 0.01
 LARGEST_AREA_DRIFT = 0.002
+LEAST_SHARE = 0.005
+"""Part of the window in which the chip is not complete."""
 
 PACKAGES = {
     "pfemcut": "pfemcut",
@@ -216,8 +218,8 @@ def _warnings(
     if cut and not window.steady:
         found.append(f"not steady: {window.reason}")
     complete = columns.get("chip_complete", np.zeros(0))
-    if cut and complete.size and window.mean(complete) < 1.0:
-        share = 1.0 - window.mean(complete)
+    # Less is round-off, or the edge of the window.
+    if cut and complete.size and (share := 1.0 - window.mean(complete)) >= LEAST_SHARE:
         found.append(
             f"in {share:.0%} of the window the chip was too short for the whole chip thickness range"
         )

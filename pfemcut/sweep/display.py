@@ -103,7 +103,7 @@ class Bars(Lines):
     def started(self, name: str) -> None:
         """Add a bar."""
         super().started(name)
-        self._tasks[name] = self._bars.add_task(f"{name}  starting", total=self._variants[name].end)
+        self._tasks[name] = self._bars.add_task(f"{name}  starting", total=1.0)
 
     def ended(self, name: str, status: int) -> None:
         """Remove the bar and write the line."""
@@ -121,7 +121,7 @@ class Bars(Lines):
             if measures is not None:
                 self._bars.update(
                     self._tasks[name],
-                    completed=measures.time,
+                    completed=self._variants[name].course.share(measures.time),
                     description=f"{name}  {state_text(measures)}",
                 )
 

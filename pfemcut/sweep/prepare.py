@@ -16,6 +16,7 @@ from pfemcut.case.translate import problem_of
 from pfemcut.inputs import InputError, UserError, read_toml
 from pfemcut.materials.material import Material
 from pfemcut.output.directory import INPUTS, OutputError
+from pfemcut.problem.course import Course
 from pfemcut.results.checkpoint import NAME, PREVIOUS, changed_keys
 from pfemcut.sweep.plan import Plan, Values, Variant
 from pfemcut.validation.recorded_run import is_finished
@@ -46,6 +47,8 @@ class Prepared:
         Its output folder.
     parameters
         Values of all parameters of the sweep: the variant's own, else the base case's; None for what neither has.
+    course
+        How far its run is at each time.
     """
 
     variant: Variant
@@ -54,18 +57,12 @@ class Prepared:
     base_directory: Path
     directory: Path
     parameters: Values
+    course: Course
 
     @property
     def name(self) -> str:
         """The variant's name."""
         return self.variant.name
-
-    @property
-    def end(self) -> float:
-        """Time (s) at which the run ends."""
-        if isinstance(self.case, Case):
-            return self.case.cutting.travel / self.case.cutting.speed
-        return self.case.time.end
 
 
 def prepared(plan: Plan) -> tuple[Prepared, ...]:
@@ -86,10 +83,10 @@ def prepared(plan: Plan) -> tuple[Prepared, ...]:
         directory = plan.output / variant.name
         case, material = validated(table, folder)
         case = directed(case, directory)
-        problem_of(case, material, folder)
+        course = problem_of(case, material, folder).course
         resolved = tomllib.loads(resolved_toml(case, material))
         parameters = {key: _parameter(key, variant.values, table, resolved) for key in keys}
-        return Prepared(variant, case, material, folder, directory, parameters)
+        return Prepared(variant, case, material, folder, directory, parameters, course)
 
     made: list[Prepared] = []
     found: list[tuple[str, str]] = []
@@ -146,7 +143,9 @@ def changes(variant: Prepared) -> tuple[str, ...]:
 
 def _state(variant: Prepared) -> State:
     directory = variant.directory
-    whole = not isinstance(variant.case, Case) or variant.case.cutting.travel == _travel(variant)
+    whole = not isinstance(variant.case, Case) or (
+        variant.case.cutting.travel == _travel(variant) and _after(variant) == _table(variant).get("after")
+    )
     if _stored(variant) and whole and is_finished(directory):
         return State.FINISHED
     if any((directory / name).is_file() for name in (NAME, PREVIOUS)):
@@ -160,10 +159,23 @@ def _stored(variant: Prepared) -> str:
     return path.read_text(encoding="utf-8") if path.is_file() else ""
 
 
+def _table(variant: Prepared) -> Mapping[str, Any]:
+    """The resolved case, parsed, of the run in the variant's folder; empty without one."""
+    path = variant.directory / INPUTS
+    return read_toml(path) if path.is_file() else {}
+
+
 def _travel(variant: Prepared) -> float:
     """Travel (mm) of the case of the run in the variant's folder; 0 without one."""
-    path = variant.directory / INPUTS
-    return float(read_toml(path).get("cutting", {}).get("travel", 0.0)) if path.is_file() else 0.0
+    return float(_table(variant).get("cutting", {}).get("travel", 0.0))
+
+
+def _after(variant: Prepared) -> Mapping[str, Any] | None:
+    """What the variant's case has after the cut, as a resolved case writes it; a run may be taken on to there."""
+    after: Mapping[str, Any] | None = tomllib.loads(resolved_toml(variant.case, variant.material)).get(
+        "after"
+    )
+    return after
 
 
 def _parameter(key: str, given: Values, table: Mapping[str, Any], resolved: Mapping[str, Any]) -> Any:

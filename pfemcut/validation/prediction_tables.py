@@ -197,7 +197,7 @@ def write_sensitivities(
     ``references`` has the other run and the cut by the name of each; a run is left out while one of both is missing.
     """
     header = ["run", "relative_to", *LABELS, *(f"{name}_change" for name in LABELS)]
-    header += [*SHARES, "contact_length", "tip_arc_contact", "max_temperature", "steady"]
+    header += [*SHARES, "contact_length", "tip_arc_contact", "max_temperature", "steady", "chip_complete"]
     rows: list[list[str | float]] = []
     for name, (reference, cut) in references.items():
         if name not in outcomes or reference not in outcomes:
@@ -213,6 +213,7 @@ def write_sensitivities(
                 *_shares(outcome, cut.speed),
                 *(outcome.mean(key) for key in ("contact_length", "tip_arc_contact", "max_temperature")),
                 "yes" if outcome.summary["steady"]["value"] else "no",
+                "yes" if _complete_in_window(outcome) else "no",
             ]
         )
     write_table(path, title, header, rows)

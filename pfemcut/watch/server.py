@@ -1,7 +1,8 @@
 """The local page that follows a run, served by the standard library.
 
-Whoever opens the page needs the key in its address, which ``pfemcut watch`` prints; every request carries it in a
-header that other pages can't send. So neither they nor other users of the machine can see the run or stop it.
+Whoever opens the page or the report needs the key in its address, which ``pfemcut watch`` prints; all other requests
+carry it in a header that other pages can't send. So neither they nor other users of the machine can see the run or stop
+it.
 """
 
 from __future__ import annotations

@@ -15,10 +15,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pfemcut.inputs import InputError
+from pfemcut.case.load import validated
+from pfemcut.case.translate import problem_of
+from pfemcut.inputs import InputError, UserError
 from pfemcut.output.directory import HISTORY, INPUTS, SUMMARY, TIMING
 from pfemcut.output.requests import asked
 from pfemcut.output.vtu import FieldsError, read_collection
+from pfemcut.problem.course import Course, straight
 from pfemcut.results.checkpoint import NAME as CHECKPOINT
 from pfemcut.watch.tail import TableTail
 
@@ -64,7 +67,7 @@ class RunState:
     status, words
         How it is, and the same in a sentence.
     share
-        Part of the simulated time that is done, 0 to 1.
+        Part of the run that is done, 0 to 1, with what comes after the cut; nan if the case doesn't say.
     to_go
         Wall time to go (s) at the present pace; nan if unknown.
     latest
@@ -120,7 +123,7 @@ class RunReader:
         self.directory = directory
         self.title = str(given.get("title", ""))
         self._clock = clock
-        self._end, self._travel_end = _ends(given)
+        self._course, self._travel_end = _course(given, directory), _travel_end(given)
         self._history = TableTail(directory / HISTORY, COLUMNS)
         self._timing = TableTail(directory / TIMING, ("step", "total"))
 
@@ -137,17 +140,15 @@ class RunReader:
         steps = history.get("step", np.zeros(0)).size
         latest = {name: float(values[-1]) for name, values in history.items()} if steps else {}
         summary = self._summary()
-        pace = _pace(history, timing)
+        pace = _pace(history, timing, self._course)
         status, words = self._status(summary, steps > 0, timing)
-        present = latest.get("time", 0.0)
+        done = self._course.share(latest.get("time", 0.0))
         return RunState(
             title=self.title,
             status=status,
             words=words,
-            share=min(present / self._end, 1.0) if self._end > 0.0 else math.nan,
-            to_go=(self._end - present) * pace
-            if status is Status.RUNNING and present < self._end
-            else math.nan,
+            share=done,
+            to_go=(1.0 - done) * pace if status is Status.RUNNING and done < 1.0 else math.nan,
             latest=latest,
             travel_end=self._travel_end,
             frame=self._frame(),
@@ -193,20 +194,35 @@ class RunReader:
             return math.nan
 
 
-def _ends(given: dict[str, Any]) -> tuple[float, float]:
-    """Final time (s) and travel (mm) of a resolved case; zero and nan if it doesn't say."""
+def _course(given: dict[str, Any], directory: Path) -> Course:
+    """How far the run of a resolved case is at each time; nan throughout if it doesn't say."""
+    try:
+        return problem_of(*validated(given, directory), directory).course
+    except UserError:
+        pass  # A case of another version.
     cutting, clock = given.get("cutting", {}), given.get("time", {})
-    if "travel" in cutting and "speed" in cutting:
-        return float(cutting["travel"]) / float(cutting["speed"]), float(cutting["travel"])
-    return float(clock.get("end", 0.0)), math.nan
+    try:
+        if "travel" in cutting and "speed" in cutting:
+            return straight(float(cutting["travel"]) / float(cutting["speed"]))
+        return straight(float(clock["end"]))
+    except (TypeError, ValueError, KeyError, ZeroDivisionError):
+        return Course((0.0, 1.0), (math.nan, math.nan))
 
 
-def _pace(history: dict[str, Array], timing: dict[str, Array]) -> float:
-    """Wall seconds a simulated second in the recent steps; nan if unknown."""
+def _travel_end(given: dict[str, Any]) -> float:
+    """Travel (mm) at the end; nan without a cut."""
+    try:
+        return float(given["cutting"]["travel"])
+    except (TypeError, ValueError, KeyError):
+        return math.nan
+
+
+def _pace(history: dict[str, Array], timing: dict[str, Array], course: Course) -> float:
+    """Wall seconds for the whole of the run at the pace of the recent steps; nan if unknown."""
     steps, times = history.get("step", np.zeros(0)), history.get("time", np.zeros(0))
     if steps.size < 2 or times.size != steps.size or "total" not in timing:
         return math.nan
     first = max(0, steps.size - RECENT - 1)
     within = (timing["step"] > steps[first]) & (timing["step"] <= steps[-1])
-    passed = float(times[-1] - times[first])
-    return float(timing["total"][within].sum()) / passed if passed > 0.0 else math.nan
+    done = float(np.diff(course.shares_at(times[[first, -1]]))[0])
+    return float(timing["total"][within].sum()) / done if done > 0.0 else math.nan

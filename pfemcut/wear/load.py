@@ -2,24 +2,33 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import ConfigDict, Field, Strict, ValidationError
+from pydantic import Field, Strict, ValidationError, model_validator
 
-from pfemcut.inputs import InputError, InputModel, explained, is_file, nearest, read_toml
+from pfemcut.input_table import InputTable
+from pfemcut.inputs import InputError, explained, is_file, nearest, read_toml
 from pfemcut.wear.usui import Constants, UsuiWear
 
 SECTION = "tool.wear"
 
 
-class _Table(InputModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
-
+class _Table(InputTable):
     A: float = Field(gt=0, description="Usui's factor A (1/MPa)")
     B: float = Field(ge=0, description="Usui's temperature B (K)")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _b_is_no_point_on_a_scale(cls, table: Any) -> Any:
+        """``table``, unless its ``B`` is in °C or °F: it stands over absolute temperatures."""
+        given = table.get("B") if isinstance(table, Mapping) else None
+        if isinstance(given, str) and re.search("deg|°|celsius|fahrenheit", given, re.IGNORECASE):
+            raise ValueError(f"B: given {given!r}, must be in K, such as '5300 K'")
+        return table
 
 
 class AboveTable(_Table):
