@@ -9,10 +9,9 @@ from __future__ import annotations
 import logging
 from typing import Any
 
-import dolfinx
 import numpy as np
 import ufl
-from dolfinx import jit
+from dolfinx import cpp, jit
 from mpi4py import MPI
 
 from pfemcut.inputs import UserError
@@ -35,11 +34,11 @@ def require_tested(version: str) -> None:
         )
 
 
-require_tested(dolfinx.__version__)
+require_tested(cpp.__version__)
 
-_OLD = _release(dolfinx.__version__) == "0.5"
+_OLD = _release(cpp.__version__) == "0.5"
 if _OLD:
-    _OPTIONS = {"form_compiler_params": {"scalar_type": "double"}}
+    _OPTIONS: dict[str, dict[str, Any]] = {"form_compiler_params": {"scalar_type": "double"}}
 else:
     import basix.ufl
 
