@@ -100,6 +100,8 @@ def new_root(roots: Path, name: str, mirror: str | None) -> Path:
             check=True,
             stdout=subprocess.DEVNULL,
         )
+        # As in images for containers: a root that breaks is made anew.
+        (base / "etc/dpkg/dpkg.cfg.d/unsafe-io").write_text("force-unsafe-io\n", encoding="utf-8")
         (base / ".complete").touch()
     if not (root / ".complete").exists():
         shutil.rmtree(root, ignore_errors=True)
