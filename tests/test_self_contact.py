@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from launch import mpirun
 from numpy.typing import NDArray
 
 from meshing.mesh import Boundary, boundary_area, signed_areas
@@ -20,6 +19,7 @@ from pfemcut.method import CutEnded
 from pfemcut.pfem.method import PfemMethod
 from pfemcut.pfem.self_contact import self_contact_search
 from pfemcut.problem import Axis, PrescribedMotion, Problem, Schedule, SelfContact
+from tests.launch import mpirun
 from tests.problems import (
     REFERENCE_TEMPERATURE,
     SIDES,
