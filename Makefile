@@ -1,7 +1,7 @@
 # make demo    sets up what is missing, then cuts AISI 4340
 # make test    sets up what is missing, then runs the tests
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test validate bench docs lint clean
+.PHONY: help setup demo test test-debian13 test-wheels test-container validate bench docs lint clean
 .NOTPARALLEL:
 
 # Another active environment, or packages in the user's home, must not mix with Debian's.
@@ -19,6 +19,8 @@ help:
 	@echo "make setup     install what is missing (Debian packages as root) and make .venv"
 	@echo "make demo      cut AISI 4340 with a rigid tool; results in $(DEMO_OUT)"
 	@echo "make test      fast tests"
+	@echo "make test-debian13, test-wheels, test-container"
+	@echo "               fast tests (a cut) in roots of Debian 13 that debootstrap makes in out/elsewhere; as root"
 	@echo "make validate  slow tests, published cases and studies (hours; goes on where interrupted)"
 	@echo "make bench     timings"
 	@echo "make docs      the documentation as a site in out/site"
@@ -44,6 +46,10 @@ demo test validate bench docs: export OMP_NUM_THREADS := 1
 
 test: $(READY)
 	$(PYTHON) -m pytest -q -m "not slow" tests
+
+# With Debian 13's packages, with dolfinx as a wheel, and the steps of the Containerfile. Gigabytes; kept for next time.
+test-debian13 test-wheels test-container: test-%:
+	/usr/bin/python3 scripts/elsewhere.py $(if $(filter wheels debian13,$*),$*,container run --travel 0.004)
 
 validate: $(READY)
 	$(PYTHON) -m pytest -q -m slow tests || [ $$? -eq 5 ] # 5: there are none

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -54,6 +55,7 @@ def outline_mesh(corners: Array, sizes: SizeField, parts: IntArray, arcs: tuple[
     arcs
         Sides that are arcs; the others are straight.
     """
+    interrupted = signal.getsignal(signal.SIGINT)
     import gmsh  # takes half a second to load
 
     gmsh.initialize(["pfemcut", "-v", "1"], readConfigFiles=False)
@@ -76,6 +78,9 @@ def outline_mesh(corners: Array, sizes: SizeField, parts: IntArray, arcs: tuple[
         mesh = _collect(gmsh.model.mesh, sides, parts)
     finally:
         gmsh.finalize()
+        # gmsh 4.13 lets Ctrl-C kill, and forgets what it did before.
+        if signal.getsignal(signal.SIGINT) is not interrupted:
+            signal.signal(signal.SIGINT, interrupted)
     for arc in arcs:
         if arc.circumscribed:
             ends = corners[arc.side], corners[(arc.side + 1) % len(corners)]

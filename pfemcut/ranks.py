@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import pickle
 import signal
 import sys
@@ -94,6 +95,7 @@ class Ranks:
                     f"error on rank {self._comm.rank}:\n{traceback.format_exc()}", file=sys.stderr, flush=True
                 )
                 self._comm.Abort(1)
+                os._exit(1)  # MPICH 5 returns, and ends the ranks a moment later
             raise
 
     def require_same(self, value: object, when: str) -> None:

@@ -1,17 +1,26 @@
 #!/usr/bin/env bash
 # Installs what is missing and makes .venv: Debian's dolfinx and friends with apt, the rest with pip.
-# Safe to repeat; called by `make setup`.
+# Safe to repeat; called by `make setup`. With --packages only what needs root: Debian's packages.
+# DOLFINX=wheel takes dolfinx with PETSc and MPI, numba, gmsh and h5py from wheels too (Python 3.12 or later).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 fail() { echo "setup: $*" >&2; exit 1; }
 
-# 1. Debian packages. The dolfinx JIT needs a C compiler and Python's headers.
-packages=(
-    python3-dolfinx python3-petsc4py python3-mpi4py openmpi-bin python3-gmsh gmsh libopenblas0-pthread
-    python3-h5py python3-numba python3-scipy python3-venv python3-dev gcc libc6-dev make
-)
-command -v dpkg-query >/dev/null || fail "needs Debian 12 or a system with its packages (no dpkg-query here)"
+DOLFINX=${DOLFINX:-debian}
+[ "$DOLFINX" = debian ] || [ "$DOLFINX" = wheel ] || fail "DOLFINX is $DOLFINX, not debian or wheel"
+
+# 1. Debian packages. The dolfinx JIT needs a C compiler and Python's headers; the wheel of gmsh, libraries of a desktop.
+packages=(python3-venv python3-dev gcc libc6-dev make)
+if [ "$DOLFINX" = debian ]; then
+    packages+=(
+        python3-dolfinx python3-petsc4py python3-mpi4py openmpi-bin python3-gmsh gmsh libopenblas0-pthread
+        python3-h5py python3-numba python3-scipy
+    )
+else
+    packages+=(libglu1-mesa libxcursor1 libxft2 libxinerama1 libxrender1)
+fi
+command -v dpkg-query >/dev/null || fail "needs Debian 12 or 13 or a system with its packages (no dpkg-query here)"
 missing=()
 for package in "${packages[@]}"; do
     state=$(dpkg-query -W -f='${Status}' "$package" 2>/dev/null || true)
@@ -26,25 +35,33 @@ setup:   apt-get update && apt-get install --no-install-recommends ${missing[*]}
     apt-get update || echo "setup: warning: apt-get update failed; trying with the lists at hand" >&2
     apt-get install -y --no-install-recommends "${missing[@]}"
 fi
+[ "${1:-}" != --packages ] || exit 0
 
 # 2. MUMPS is several times faster with OpenBLAS than with the reference BLAS.
 system=/usr/bin/python3
 triplet=$("$system" -c 'import sysconfig; print(sysconfig.get_config_var("MULTIARCH"))')
-case $(readlink -f "/usr/lib/$triplet/libblas.so.3" || true) in
-    *openblas*) ;;
+case $DOLFINX,$(readlink -f "/usr/lib/$triplet/libblas.so.3" || true) in
+    wheel,* | *openblas*) ;;
     *) echo "setup: warning: libblas is not OpenBLAS, solves will be slow; as root run:" >&2
        echo "setup:   update-alternatives --config libblas.so.3-$triplet" >&2 ;;
 esac
 
-# 3. Virtual environment of Debian's interpreter, whatever environment is active or python3 comes first on PATH.
+# 3. Virtual environment of the system's interpreter, whatever environment is active or python3 comes first on PATH.
 # Packages of the user's home (pip --user) are kept out: a newer numpy there breaks Debian's binaries.
 unset VIRTUAL_ENV PYTHONHOME PYTHONPATH PIP_TARGET PIP_PREFIX PIP_USER PIP_REQUIRE_VIRTUALENV
 export PYTHONNOUSERSITE=1
+if [ "$DOLFINX" = debian ]; then
+    shared=true options=(--system-site-packages) extras=dev
+else
+    shared=false options=() extras=dev,wheels
+    "$system" -c 'import sys; sys.exit(sys.version_info < (3, 12))' \
+        || fail "the wheel of dolfinx needs Python 3.12 or later; $system is $("$system" --version)"
+fi
 wanted=$("$system" -c 'import os, sys; print(os.path.realpath(sys.executable))')
 found=$(.venv/bin/python -c 'import os, sys; print(os.path.realpath(sys.executable))' 2>/dev/null || true)
-if [ "$found" != "$wanted" ] || ! grep -q '^include-system-site-packages = true' .venv/pyvenv.cfg \
+if [ "$found" != "$wanted" ] || ! grep -q "^include-system-site-packages = $shared" .venv/pyvenv.cfg \
     || ! .venv/bin/python -m pip --version >/dev/null 2>&1; then
-    "$system" -m venv --clear --system-site-packages .venv
+    "$system" -m venv --clear "${options[@]}" .venv
 fi
 
 # Also for those who run .venv/bin/pfemcut themselves.
@@ -53,12 +70,13 @@ for folder in .venv/lib/python3.*/site-packages; do
 done
 
 # 4. Python packages, with numpy held at the version that Debian's binaries were built with.
-numpy=$("$system" -c 'import numpy; print(numpy.__version__)')
-echo "numpy==$numpy" > .venv/constraints.txt
-.venv/bin/python -m pip install --quiet --disable-pip-version-check --constraint .venv/constraints.txt --editable '.[dev]'
+: > .venv/constraints.txt
+[ "$DOLFINX" = wheel ] || "$system" -c 'import numpy; print(f"numpy=={numpy.__version__}")' > .venv/constraints.txt
+.venv/bin/python -m pip install --quiet --disable-pip-version-check --constraint .venv/constraints.txt --editable ".[$extras]"
 
 # 5. Everything together in one process, before anybody waits for a run.
 .venv/bin/python - <<'CHECK' || fail "the installed packages do not work together (see above)"
+from mpi4py import MPI  # first: the libraries of wheels find MPI through it
 import dolfinx, gmsh, h5py, numba, numpy, petsc4py, pythoncdt, scipy
 import pfemcut.cli.main
 from pfemcut.case.cutting import cutting_problem

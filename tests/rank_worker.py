@@ -36,12 +36,19 @@ def fill_disk() -> None:
     resource.setrlimit(resource.RLIMIT_FSIZE, (2000, resource.RLIM_INFINITY))
 
 
+def launcher_process() -> int:
+    """Id of mpirun; MPICH's has a process between itself and its ranks."""
+    parent = os.getppid()
+    name, numbers = Path(f"/proc/{parent}/stat").read_text().split("(", 1)[1].rsplit(")", 1)
+    return int(numbers.split()[1]) if name == "hydra_pmi_proxy" else parent
+
+
 def signalling(number: signal.Signals) -> Callable[[], None]:
     """Send mpirun a signal, and wait until what it makes of it was noted here: that puts the handlers back."""
 
     def event() -> None:
         noting = signal.getsignal(signal.SIGTERM)
-        os.kill(os.getppid(), number)
+        os.kill(launcher_process(), number)
         while signal.getsignal(signal.SIGTERM) is noting:
             time.sleep(0.01)
 

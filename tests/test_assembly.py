@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import pytest
+import ufl
 from dolfinx import fem
 from dolfinx.fem.petsc import assemble_matrix, create_matrix
 from dolfinx.mesh import create_mesh
@@ -29,10 +31,27 @@ MODULI = np.array([8e4, 1.6e5]) * np.random.default_rng(4).uniform(0.5, 2.0, (EL
 STABILISATION = 1.3
 
 
+# What dolfinx calls otherwise in the versions that we run on.
+function_space = fem.functionspace if hasattr(fem, "functionspace") else fem.FunctionSpace
+
+
+def real_mesh(domain: ufl.Mesh) -> Any:
+    """``MESH`` in dolfinx, whose order of arguments changed in 0.10."""
+    given = [domain, MESH.points]
+    if list(inspect.signature(create_mesh).parameters).index("x") == 2:
+        given.reverse()
+    return create_mesh(MPI.COMM_SELF, MESH.cells, *given)
+
+
+def entries(dofmap: Any) -> NDArray[np.int32]:
+    """The rows of a ``dofmap`` one after the other; it was an adjacency list before 0.7."""
+    return np.asarray(getattr(dofmap, "array", dofmap)).ravel()
+
+
 def dolfinx_assembly(values: Sequence[Array]) -> tuple[Array, Array]:
     """Residual (n * 3,) and tangent of the momentum forms on ``MESH`` by dolfinx, in the order of the particles."""
     domain = runtime.coordinate_domain()
-    mesh = create_mesh(MPI.COMM_SELF, MESH.cells, MESH.points, domain)
+    mesh = real_mesh(domain)
     particles = np.asarray(mesh.geometry.input_global_indices)
     cells = np.asarray(mesh.topology.original_cell_index)
     functions: list[Any] = []
@@ -46,15 +65,15 @@ def dolfinx_assembly(values: Sequence[Array]) -> tuple[Array, Array]:
         symbols.moduli,
     )
     for symbol, value in zip(coefficients, (*values, MODULI), strict=True):
-        space = fem.FunctionSpace(mesh, symbol.ufl_element())
+        space = function_space(mesh, symbol.ufl_element())
         function = fem.Function(space)
         functions.append(function)
-        places = space.dofmap.list.array
+        places = entries(space.dofmap.list)
         if symbol in (symbols.element, symbols.moduli):
             function.x.array.reshape(ELEMENTS, -1)[places] = value[cells]
             continue
         node = np.empty(COUNT, dtype=int)
-        node[places] = particles[mesh.geometry.dofmap.array]
+        node[places] = particles[entries(mesh.geometry.dofmap)]
         function.x.array[:] = value[node].ravel()
         if symbol is symbols.unknown:
             numbering = (3 * node[:, None] + np.arange(3)).ravel()

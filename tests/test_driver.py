@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import json
-import os
 import resource
 import signal
 from collections.abc import Callable, Mapping
@@ -206,7 +205,7 @@ def test_a_finished_run_can_be_taken_further(tmp_path: Path) -> None:
 def test_a_signal_finishes_the_step_and_leaves_a_checkpoint(tmp_path: Path, number: signal.Signals) -> None:
     before = signal.getsignal(number)
     with pytest.raises(RunInterrupted, match=f"{number.name} after step 7.*resumed"):
-        run(tmp_path / "stopped", events={7: lambda: os.kill(os.getpid(), number)})
+        run(tmp_path / "stopped", events={7: lambda: signal.raise_signal(number)})
     assert signal.getsignal(number) is before
     assert read_checkpoint(tmp_path / "stopped").step == 7
     assert summary_in(tmp_path / "stopped")["finished"] is False
@@ -218,8 +217,8 @@ def test_a_signal_finishes_the_step_and_leaves_a_checkpoint(tmp_path: Path, numb
 
 def test_a_second_signal_kills(tmp_path: Path) -> None:
     def twice() -> None:
-        os.kill(os.getpid(), signal.SIGINT)
-        os.kill(os.getpid(), signal.SIGINT)
+        signal.raise_signal(signal.SIGINT)
+        signal.raise_signal(signal.SIGINT)
 
     with pytest.raises(KeyboardInterrupt):
         run(tmp_path, events={3: twice})

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -22,6 +19,7 @@ from pfemcut.method import CutEnded
 from pfemcut.pfem.method import PfemMethod
 from pfemcut.pfem.self_contact import self_contact_search
 from pfemcut.problem import Axis, PrescribedMotion, Problem, Schedule, SelfContact
+from tests.launch import mpirun
 from tests.problems import (
     REFERENCE_TEMPERATURE,
     SIDES,
@@ -331,17 +329,7 @@ def test_two_ranks_agree_with_one(tmp_path: Path) -> None:
     """The same triangles, and contact force and all fields to 1e-8 of their size."""
     script, result = tmp_path / "press.py", tmp_path / "press.npz"
     script.write_text(RANK_SCRIPT)
-    environment = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_", "ORTE_"))}
-    root = Path(__file__).parent.parent
-    environment |= {"OMP_NUM_THREADS": "1", "PYTHONPATH": str(root)}
-    done = subprocess.run(
-        ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", "2", sys.executable, str(script)]
-        + [str(result)],
-        env=environment,
-        capture_output=True,
-        text=True,
-        timeout=120,
-    )
+    done = mpirun(script, result)
     assert done.returncode == 0, done.stderr
     method = advanced(rubbing_jaws(), 6)
     two, one = np.load(result), method.state()

@@ -104,7 +104,7 @@ def test_a_signal_is_handed_on_once_and_waits_for_the_end(tmp_path: Path, number
     def event(running: Sequence[str]) -> None:
         if not sent and all((tmp_path / name / "ready").exists() for name in ("a", "b")):
             sent.append(number)
-            os.kill(os.getpid(), number)
+            signal.raise_signal(number)
 
     commands = [patient(tmp_path, name) for name in ("a", "b", "c")]
     notes = Notes(event)
@@ -116,7 +116,7 @@ def test_a_signal_is_handed_on_once_and_waits_for_the_end(tmp_path: Path, number
 def test_a_second_signal_kills(tmp_path: Path) -> None:
     def event(_: Sequence[str]) -> None:
         if (tmp_path / "a" / "ready").exists():
-            os.kill(os.getpid(), signal.SIGINT)
+            signal.raise_signal(signal.SIGINT)
 
     begun = time.monotonic()
     with pytest.raises(KeyboardInterrupt):
@@ -249,7 +249,7 @@ def test_an_interrupted_sweep_goes_on_and_gives_what_runs_side_by_side_give(
     def interrupt() -> None:
         while not history.is_file() or history.read_bytes().count(b"\n") < 4:
             time.sleep(0.02)
-        os.kill(os.getpid(), signal.SIGINT)
+        signal.raise_signal(signal.SIGINT)
 
     threading.Thread(target=interrupt, daemon=True).start()
     assert status([*command, "-j", "1"]) == 1

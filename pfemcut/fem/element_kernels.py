@@ -86,13 +86,17 @@ class Packing:
 
 
 @intrinsic
-def _call(typing_context, address, tensor, coefficients, constants, coordinates, entity, permutation):  # type: ignore[no-untyped-def]
-    """Call the C function at ``address`` with the addresses of its six arguments (UFC's ``tabulate_tensor``)."""
-    signature = types.void(*[types.intp] * 7)
+def _call(typing_context, address, tensor, coefficients, constants, coordinates, entity, permutation, custom):  # type: ignore[no-untyped-def]
+    """Call the C function at ``address`` with the addresses of its arguments (UFC's ``tabulate_tensor``).
+
+    The seventh, ``custom``, is new in ffcx 0.10. A function of an older one never looks at it: where arguments beyond
+    its own lie is the caller's to clear away, on x86-64 and on 64-bit ARM.
+    """
+    signature = types.void(*[types.intp] * 8)
 
     def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
         pointer = ir.IntType(8).as_pointer()
-        function = builder.inttoptr(arguments[0], ir.FunctionType(ir.VoidType(), [pointer] * 6).as_pointer())
+        function = builder.inttoptr(arguments[0], ir.FunctionType(ir.VoidType(), [pointer] * 7).as_pointer())
         builder.call(function, [builder.inttoptr(each, pointer) for each in arguments[1:]])
         return context.get_dummy_value()
 
@@ -114,6 +118,7 @@ def _tabulate(tensor, scratch, unused, addresses, columns, data, constants, coor
             scratch.ctypes.data,
             constants[part].ctypes.data,
             coordinates.ctypes.data,
+            unused.ctypes.data,
             unused.ctypes.data,
             unused.ctypes.data,
         )

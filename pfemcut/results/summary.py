@@ -6,6 +6,7 @@ import importlib.metadata
 import json
 import math
 import platform
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -189,7 +190,10 @@ def versions() -> dict[str, str]:
         try:
             found[name] = importlib.metadata.version(distribution)
         except importlib.metadata.PackageNotFoundError:
-            continue
+            # A wheel of dolfinx brings petsc4py along and has a name of its own.
+            version = getattr(sys.modules.get(name), "__version__", None)
+            if version is not None:
+                found[name] = version
     return found
 
 
