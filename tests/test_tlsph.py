@@ -15,7 +15,8 @@ from particle_problems import CUT, ELASTIC, TAYLOR, block, moving
 from pfemcut.case.check import figures, warnings
 from pfemcut.case.load import CaseError, directed, validated
 from pfemcut.case.translate import problem_of
-from pfemcut.driver import report_case, run_case
+from pfemcut.conclusion import report_case
+from pfemcut.driver import run_case
 from pfemcut.method import RunStopped
 from pfemcut.output.vtu import read_last_frame
 from pfemcut.particles.integrate import advance, initial_state
