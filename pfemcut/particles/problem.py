@@ -165,6 +165,8 @@ class ParticleProblem:
         Reference figures if the problem is a cut, else empty.
     gauges
         What the history measures of bodies, none or one.
+    conduction
+        Whether heat flows between particles and into the tool; else it stays where it arises.
     """
 
     title: str
@@ -177,6 +179,7 @@ class ParticleProblem:
     smoothing: SmoothingControls
     cut: tuple[Cut, ...] = ()
     gauges: tuple[Gauge, ...] = ()
+    conduction: bool = False
 
     def ends_stage(self, time: float) -> bool:
         """Whether a stage ends at ``time`` (s); there is one only."""
