@@ -99,7 +99,8 @@ def damping_force(
     Forces of the viscosity and of the control, shape (n, d) each; the springs' new slip, shape (k,).
     """
     rows = reference.neighbours
-    viscous, control, slip = _damping(
+    kernel = _damping_2d if positions.shape[1] == 2 else _damping_3d
+    viscous, control, slip = kernel(
         rows.offsets,
         rows.indices,
         reference.gradient_weight,
@@ -119,7 +120,7 @@ def damping_force(
 
 
 @njit(parallel=True, cache=True)
-def _damping(  # type: ignore[no-untyped-def]
+def _damping_2d(  # type: ignore[no-untyped-def]
     offsets,
     indices,
     weight,
@@ -135,41 +136,117 @@ def _damping(  # type: ignore[no-untyped-def]
     limit,
     constants,
 ):
-    smoothing, alpha, beta, sound, modulus = constants
-    count, dimension = positions.shape
-    viscous, control = np.zeros((count, dimension)), np.zeros((count, dimension))
+    modulus = constants[4]
+    count = len(positions)
+    viscous, control = np.empty((count, 2)), np.empty((count, 2))
     new_slip = np.zeros_like(slip)
     for i in prange(count):
+        vx = vy = cx = cy = 0.0
         for k in range(offsets[i], offsets[i + 1]):
             j = indices[k]
-            square, reference_square, closing = 0.0, 0.0, 0.0
-            for a in range(dimension):
-                x = positions[j, a] - positions[i, a]
-                far = points[j, a] - points[i, a]
-                square += x * x
-                reference_square += far * far
-                closing += x * (velocities[j, a] - velocities[i, a])
-            push, pull = 0.0, 0.0
-            if closing < 0.0:
-                mu = smoothing * closing / (square + 0.01 * smoothing * smoothing)
-                viscosity = (-alpha * sound + beta * mu) * mu / (0.5 * (density[i] + density[j]))
-                push = mass[i] * mass[j] * viscosity * weight[k] * np.sqrt(reference_square)
+            x, y = positions[j, 0] - positions[i, 0], positions[j, 1] - positions[i, 1]
+            far_x, far_y = points[j, 0] - points[i, 0], points[j, 1] - points[i, 1]
+            square, reference_square = x * x + y * y, far_x * far_x + far_y * far_y
+            closing = x * (velocities[j, 0] - velocities[i, 0]) + y * (velocities[j, 1] - velocities[i, 1])
             length = np.sqrt(square)
+            if closing < 0.0:
+                push = _viscosity(constants, closing, square, density[i], density[j])
+                push *= mass[i] * mass[j] * weight[k] * np.sqrt(reference_square) / length
+                vx -= push * x
+                vy -= push * y
             if modulus > 0.0:
-                # (F_i + F_j)/2 (X_j - X_i) along the line now, minus the length now.
-                seen = 0.0
-                for a in range(dimension):
-                    image = 0.0
-                    for b in range(dimension):
-                        image += 0.5 * (gradient[i, a, b] + gradient[j, a, b]) * (points[j, b] - points[i, b])
-                    seen += image * (positions[j, a] - positions[i, a])
+                image_x = (gradient[i, 0, 0] + gradient[j, 0, 0]) * far_x
+                image_x += (gradient[i, 0, 1] + gradient[j, 0, 1]) * far_y
+                image_y = (gradient[i, 1, 0] + gradient[j, 1, 0]) * far_x
+                image_y += (gradient[i, 1, 1] + gradient[j, 1, 1]) * far_y
+                # The length now, minus (F_i + F_j)/2 (X_j - X_i) along the line now.
                 reference_length = np.sqrt(reference_square)
-                hidden = (length - seen / length) / reference_length
-                most = min(limit[i], limit[j])
-                strain = min(max(hidden - slip[k], -most), most)
+                hidden = length - 0.5 * (image_x * x + image_y * y) / length
+                hidden /= reference_length
+                strain = _borne(hidden - slip[k], min(limit[i], limit[j]))
                 new_slip[k] = hidden - strain
-                pull = modulus * volume[i] * volume[j] * kernel[k] * strain / reference_length
-            for a in range(dimension):
-                viscous[i, a] -= push * (positions[j, a] - positions[i, a]) / length
-                control[i, a] += pull * (positions[j, a] - positions[i, a]) / length
+                pull = modulus * volume[i] * volume[j] * kernel[k] * strain / (reference_length * length)
+                cx += pull * x
+                cy += pull * y
+        viscous[i, 0], viscous[i, 1] = vx, vy
+        control[i, 0], control[i, 1] = cx, cy
     return viscous, control, new_slip
+
+
+@njit(parallel=True, cache=True)
+def _damping_3d(  # type: ignore[no-untyped-def]
+    offsets,
+    indices,
+    weight,
+    kernel,
+    points,
+    volume,
+    positions,
+    velocities,
+    gradient,
+    mass,
+    density,
+    slip,
+    limit,
+    constants,
+):
+    modulus = constants[4]
+    count = len(positions)
+    viscous, control = np.empty((count, 3)), np.empty((count, 3))
+    new_slip = np.zeros_like(slip)
+    for i in prange(count):
+        vx = vy = vz = cx = cy = cz = 0.0
+        for k in range(offsets[i], offsets[i + 1]):
+            j = indices[k]
+            x, y = positions[j, 0] - positions[i, 0], positions[j, 1] - positions[i, 1]
+            z = positions[j, 2] - positions[i, 2]
+            far_x, far_y = points[j, 0] - points[i, 0], points[j, 1] - points[i, 1]
+            far_z = points[j, 2] - points[i, 2]
+            square = x * x + y * y + z * z
+            reference_square = far_x * far_x + far_y * far_y + far_z * far_z
+            closing = x * (velocities[j, 0] - velocities[i, 0]) + y * (velocities[j, 1] - velocities[i, 1])
+            closing += z * (velocities[j, 2] - velocities[i, 2])
+            length = np.sqrt(square)
+            if closing < 0.0:
+                push = _viscosity(constants, closing, square, density[i], density[j])
+                push *= mass[i] * mass[j] * weight[k] * np.sqrt(reference_square) / length
+                vx -= push * x
+                vy -= push * y
+                vz -= push * z
+            if modulus > 0.0:
+                image_x = (gradient[i, 0, 0] + gradient[j, 0, 0]) * far_x
+                image_x += (gradient[i, 0, 1] + gradient[j, 0, 1]) * far_y
+                image_x += (gradient[i, 0, 2] + gradient[j, 0, 2]) * far_z
+                image_y = (gradient[i, 1, 0] + gradient[j, 1, 0]) * far_x
+                image_y += (gradient[i, 1, 1] + gradient[j, 1, 1]) * far_y
+                image_y += (gradient[i, 1, 2] + gradient[j, 1, 2]) * far_z
+                image_z = (gradient[i, 2, 0] + gradient[j, 2, 0]) * far_x
+                image_z += (gradient[i, 2, 1] + gradient[j, 2, 1]) * far_y
+                image_z += (gradient[i, 2, 2] + gradient[j, 2, 2]) * far_z
+                # The length now, minus (F_i + F_j)/2 (X_j - X_i) along the line now.
+                reference_length = np.sqrt(reference_square)
+                hidden = length - 0.5 * (image_x * x + image_y * y + image_z * z) / length
+                hidden /= reference_length
+                strain = _borne(hidden - slip[k], min(limit[i], limit[j]))
+                new_slip[k] = hidden - strain
+                pull = modulus * volume[i] * volume[j] * kernel[k] * strain / (reference_length * length)
+                cx += pull * x
+                cy += pull * y
+                cz += pull * z
+        viscous[i, 0], viscous[i, 1], viscous[i, 2] = vx, vy, vz
+        control[i, 0], control[i, 1], control[i, 2] = cx, cy, cz
+    return viscous, control, new_slip
+
+
+@njit(inline="always")
+def _viscosity(constants, closing, square, density, other):  # type: ignore[no-untyped-def]
+    """Pi of a pair that approaches, from x·v, x² and both densities."""
+    smoothing, alpha, beta, sound, _ = constants
+    mu = smoothing * closing / (square + 0.01 * smoothing * smoothing)
+    return (-alpha * sound + beta * mu) * mu / (0.5 * (density + other))
+
+
+@njit(inline="always")
+def _borne(strain, most):  # type: ignore[no-untyped-def]
+    """What a spring that yields at ``most`` bears of ``strain``."""
+    return min(max(strain, -most), most)
