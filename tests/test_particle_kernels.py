@@ -230,7 +230,9 @@ def test_a_rigid_rotation_gives_no_stress(dimension: int) -> None:
         turn[:2, :2] = [[c, -s], [s, c]]
         after = deformation_gradient(body, body.points @ turn.T)
         rate = (after - before) @ np.linalg.inv(0.5 * (after + before)) / 1e-8
-        free, stressed = (updated(material, each, rate, 1e-8).state for each in (free, stressed))
+        free, stressed = (
+            updated(material, each, rate, 1e-8, np.ones(len(before))).state for each in (free, stressed)
+        )
         before = after
     assert np.abs(free.deviator).max() < 1e-6
     expected = np.tile([-100.0, 200.0, -100.0, -50.0, 0.0, 0.0], (len(body.points), 1))
@@ -246,7 +248,7 @@ def test_plasticity_at_a_point_is_the_pfem_s() -> None:
     work = 0.0
     for _ in range(2000):
         last = state
-        state = updated(material, state, gradient, dt).state
+        state = updated(material, state, gradient, dt, np.ones(1)).state
         work += float((von_mises(state.deviator) * (state.eqps - last.eqps))[0])
     law = material.hardening.flow_stress(state.eqps, state.rate, last.temperature)
     assert von_mises(state.deviator) == pytest.approx(law.value, rel=1e-9)
@@ -267,7 +269,7 @@ def test_the_threshold_of_the_rate_is_no_trap() -> None:
     stretch = 650.7603315202414 / (2.0 * material.shear_modulus * np.sqrt(2.0 / 3.0))
     dt = 5.476752384284857e-09
     gradient = np.diag([2.0, -1.0, -1.0])[None] / 3.0 * stretch / dt
-    found = updated(material, state, gradient, dt).state
+    found = updated(material, state, gradient, dt, np.ones(1)).state
     law = material.hardening.flow_stress(found.eqps, found.rate, state.temperature)
     assert von_mises(found.deviator) == pytest.approx(law.value, rel=1e-9)
     assert 0.0 < found.eqps[0] < 1e-7

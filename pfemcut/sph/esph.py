@@ -87,7 +87,9 @@ class Eulerian:
             where = ", ".join(f"{x:.3g}" for x in positions[np.argmax(np.abs(growth))])
             raise RunStopped(f"the particle at ({where}) mm changes its volume too much in a step")
         volume_ratio = memory.volume_ratio * (1.0 + growth) / (1.0 - growth)
-        update = updated_bodies(self._materials, problem.ranges, material, velocity_gradient, dt)
+        update = updated_bodies(
+            self._materials, problem.ranges, material, velocity_gradient, dt, volume_ratio
+        )
         pressure = linear_pressure(self._bulk, volume_ratio)
         stress = cauchy_stress(update.state.deviator, pressure, problem.dimension)
         internal, viscous, repulsive = pair_forces(

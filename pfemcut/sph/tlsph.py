@@ -99,8 +99,10 @@ class TotalLagrangian:
         velocity_gradient = (
             product(gradient - memory.gradient, inverse(0.5 * (gradient + memory.gradient))) / dt
         )
-        update = updated_bodies(self._materials, problem.ranges, material, velocity_gradient, dt)
         volume_ratio = memory.reference_ratio * ratio
+        update = updated_bodies(
+            self._materials, problem.ranges, material, velocity_gradient, dt, volume_ratio
+        )
         pressure = linear_pressure(self._bulk, volume_ratio)
         stress = cauchy_stress(update.state.deviator, pressure, problem.dimension)
         first_piola = ratio[:, None, None] * product(stress, transposed(inverse(gradient)))
