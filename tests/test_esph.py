@@ -54,7 +54,9 @@ def test_a_list_is_kept_while_particles_move_little() -> None:
     first = neighbours.indices
     neighbours.follow(points + 0.01)
     assert neighbours.indices is first
-    neighbours.follow(points + 0.03)
+    neighbours.follow(points + 3.0)
+    assert neighbours.indices is first
+    neighbours.follow(1.1 * points)
     assert neighbours.indices is not first
 
 

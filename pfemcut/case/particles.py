@@ -55,6 +55,12 @@ class ExplicitParticles(Section):
 class Particles(ExplicitParticles):
     """Explicit particles of a cut, for other methods than the PFEM, whose sections then mean nothing."""
 
+    conduction: bool = Field(
+        default=True,
+        description="Whether heat flows between particles and, by [contact] conductance, into the tool; "
+        "false: adiabatic",
+    )
+
     spacing: float | None = Field(
         default=None,
         gt=0,
@@ -77,6 +83,10 @@ class Particles(ExplicitParticles):
 class SolidsParticles(ExplicitParticles):
     """Spacing, kernel, viscosity and time steps of explicit particles."""
 
+    conduction: bool = Field(
+        default=False,
+        description="Whether heat flows between particles, with tlsph of one body, with esph of all; false: adiabatic",
+    )
     spacing: float = Field(gt=0, description="Distance of particles at the start (mm)")
     pinball: Annotated[tuple[float, float], BeforeValidator(as_tuples)] = Field(
         default=(0.0, 1.0),

@@ -84,6 +84,7 @@ def cutting_particles(case: Case, material: Material) -> ParticleProblem:
         time=explicit_time(given, case.cutting.travel / case.cutting.speed),
         smoothing=smoothing_controls(given, spacing),
         cut=(Cut(depth=case.cutting.depth, speed=case.cutting.speed, surface=height),),
+        conduction=given.conduction,
     )
 
 
@@ -125,6 +126,7 @@ def solids_problem(case: SolidsCase, material: Material, base_directory: Path) -
         time=explicit_time(case.particles, case.time.end),
         smoothing=smoothing_controls(case.particles, spacing),
         gauges=gauges,
+        conduction=case.particles.conduction,
     )
 
 

@@ -1,8 +1,8 @@
 """Neighbours in the present configuration, from a list of cells, kept until particles have moved too far.
 
 The list reaches farther than the kernel by a skin, so it stays complete while no particle has moved by more than half
-of the skin. Pairs out of reach add nothing to a sum over the kernel, not even in its last bit; so results do not depend
-on when the list was made, and it is no part of a run's state.
+of the skin, seen from their mean. Pairs out of reach add nothing to a sum over the kernel, not even in its last bit; so
+results do not depend on when the list was made, and it is no part of a run's state.
 """
 
 from __future__ import annotations
@@ -39,6 +39,7 @@ class NeighbourList:
         """Make the list complete for ``points`` (n, d)."""
         if self._made_at.shape == points.shape:
             moved = points - self._made_at
+            moved -= moved.mean(axis=0)
             if np.max(np.einsum("na,na->n", moved, moved)) <= (0.5 * _SKIN * self._radius) ** 2:
                 return
         self.offsets, self.indices = pairs_in_cells(points, (1.0 + _SKIN) * self._radius)

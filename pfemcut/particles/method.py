@@ -17,6 +17,7 @@ from pfemcut.method import Frame, Measures
 from pfemcut.particles.contact import tool_contact_view
 from pfemcut.particles.formulation import ForceModel
 from pfemcut.particles.frames import frame_of
+from pfemcut.particles.heat import Conduction, heat_content
 from pfemcut.particles.integrate import (
     advance,
     energy_at_start,
@@ -39,6 +40,7 @@ class ParticleMethod(Generic[Memory]):
         self._state = state
         self._tool_force = np.zeros(model.problem.dimension)
         self._seconds = 0.0
+        self._conduction = tuple(Conduction(each) for each in (model.problem,) if each.conduction)
 
     @classmethod
     def start(cls, model: ForceModel[Memory]) -> ParticleMethod[Memory]:
@@ -61,7 +63,7 @@ class ParticleMethod(Generic[Memory]):
         return self._state.clock.time >= self._problem.time.end * (1.0 - 1e-12)
 
     def advance(self) -> None:
-        """Advance one batch of time steps, then renew the reference if it's time.
+        """Advance one batch of time steps, let heat flow, then renew the reference if it's time.
 
         Raises
         ------
@@ -74,6 +76,8 @@ class ParticleMethod(Generic[Memory]):
         for _ in range(self._problem.time.batch):
             if state.clock.time < end:
                 state = advance(self._model, state)
+        for conduction in self._conduction:
+            state = conduction.conducted(state, state.clock.time - since)
         memory, new = self._model.renewed(state.memory, state.positions, state.volume_ratio)
         clock = replace(state.clock, batches=state.clock.batches + 1, updates=state.clock.updates + int(new))
         self._state = replace(state, memory=memory, clock=clock)
@@ -127,6 +131,8 @@ class ParticleMethod(Generic[Memory]):
             "contact_energy": state.contact_energy,
             "kinetic_error": change - works,
             "momentum_error": self._momentum_error(),
+            "heat_content": heat_content(problem, state.material.temperature),
+            "heat_to_tool": ledger.to_tool,
             **self._gauged(),
         }
 

@@ -166,6 +166,8 @@ class ParticleProblem:
         Reference figures if the problem is a cut, else empty.
     gauges
         What the history measures of bodies, none or one.
+    conduction
+        Whether heat flows between particles and into the tool; else it stays where it arises.
     """
 
     title: str
@@ -178,6 +180,7 @@ class ParticleProblem:
     smoothing: SmoothingControls
     cut: tuple[Cut, ...] = ()
     gauges: tuple[Gauge, ...] = ()
+    conduction: bool = False
 
     @property
     def course(self) -> Course:

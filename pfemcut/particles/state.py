@@ -66,7 +66,7 @@ class Ledger:
 
     Works are those of the forces on the particles, by the trapezoidal rule, with which the change of kinetic energy is
     their sum to round-off. ``plastic`` is found at the particles instead, from stress and plastic strain, and ``tool``
-    is the tool's own work; so the balance of these with the stored energies is a test.
+    is the tool's own work; so the balance of these with the stored energies is a test. ``to_tool`` is heat.
     """
 
     internal: float = 0.0
@@ -78,6 +78,7 @@ class Ledger:
     tool: float = 0.0
     plastic: float = 0.0
     friction: float = 0.0
+    to_tool: float = 0.0
 
     def plus(self, **amounts: float) -> Ledger:
         """The ledger with ``amounts`` added."""

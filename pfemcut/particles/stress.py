@@ -72,8 +72,10 @@ class Update:
     plastic_work: Array
 
 
-def updated(material: Material, state: PointState, velocity_gradient: Array, dt: float) -> Update:
-    """The state after a step with the given velocity gradient (1/s; (n, d, d)).
+def updated(
+    material: Material, state: PointState, velocity_gradient: Array, dt: float, volume_ratio: Array
+) -> Update:
+    """The state after a step with the given velocity gradient (1/s; (n, d, d)), and J after it (n,).
 
     1. Trial deviator: S + dt (2 G dev D + W S - S W), the rate of Jaumann (eqs. 20 to 22).
     2. Radial return, backward Euler in strain and rate: the same law and the same solution at a point as the PFEM's.
@@ -89,7 +91,8 @@ def updated(material: Material, state: PointState, velocity_gradient: Array, dt:
     deviator = trial_deviator * (1.0 - 2.0 * shear * multiplier / norm)[:, None]
     strain = _ROOT_2_3 * multiplier
     work = strain * (norm / _ROOT_2_3 - 3.0 * shear * strain)
-    heating = material.taylor_quinney * work / (material.density * material.capacity(state.temperature))
+    capacity = material.density / volume_ratio * material.capacity(state.temperature)
+    heating = material.taylor_quinney * work / capacity
     return Update(
         PointState(deviator, state.eqps + strain, strain / dt, state.temperature + heating),
         work,
@@ -102,10 +105,11 @@ def updated_bodies(
     state: PointState,
     velocity_gradient: Array,
     dt: float,
+    volume_ratio: Array,
 ) -> Update:
     """The same for several bodies, whose particles are ``ranges`` that follow each other."""
     parts = [
-        updated(material, state.of(points), velocity_gradient[points], dt)
+        updated(material, state.of(points), velocity_gradient[points], dt, volume_ratio[points])
         for material, points in zip(materials, ranges, strict=True)
     ]
     if len(parts) == 1:

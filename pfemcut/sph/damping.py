@@ -26,7 +26,7 @@ class Springs:
     Attributes
     ----------
     slip
-        Hidden strain of each entry at which its spring is relaxed; shape (k,).
+        Hidden length of each entry at which its spring is relaxed (mm); shape (k,).
     limit
         Strain that a spring of a particle can bear, infinite where the material is elastic; shape (n,).
     """
@@ -35,8 +35,8 @@ class Springs:
     limit: Array
 
 
-def hidden_strain(reference: Reference, positions: Array, gradient: Array) -> Array:
-    """What of a pair's length the particles' deformation gradients don't see, over the reference length; (k,).
+def hidden_length(reference: Reference, positions: Array, gradient: Array) -> Array:
+    """What of a pair's length the particles' deformation gradients don't see (mm; (k,)).
 
     The length now, less (F_i + F_j)/2 (X_j - X_i) along the line now.
     """
@@ -45,8 +45,7 @@ def hidden_strain(reference: Reference, positions: Array, gradient: Array) -> Ar
     now = positions[other] - positions[one]
     length = np.sqrt(np.einsum("ka,ka->k", now, now))
     image = np.einsum("kab,kb->ka", 0.5 * (gradient[one] + gradient[other]), apart)
-    seen = np.einsum("ka,ka->k", image, now) / length
-    return np.asarray((length - seen) / np.sqrt(np.einsum("ka,ka->k", apart, apart)))
+    return np.asarray(length - np.einsum("ka,ka->k", image, now) / length)
 
 
 def carried(strain: Array, old: Neighbours, new: Neighbours) -> Array:
@@ -104,7 +103,8 @@ def damping_force(
         rows.offsets,
         rows.indices,
         reference.gradient_weight,
-        reference.kernel,
+        reference.distance,
+        reference.spring_weight,
         reference.points,
         reference.volume,
         positions,
@@ -124,7 +124,8 @@ def _damping_2d(  # type: ignore[no-untyped-def]
     offsets,
     indices,
     weight,
-    kernel,
+    distance,
+    spring_weight,
     points,
     volume,
     positions,
@@ -145,31 +146,30 @@ def _damping_2d(  # type: ignore[no-untyped-def]
         for k in range(offsets[i], offsets[i + 1]):
             j = indices[k]
             x, y = positions[j, 0] - positions[i, 0], positions[j, 1] - positions[i, 1]
-            far_x, far_y = points[j, 0] - points[i, 0], points[j, 1] - points[i, 1]
-            square, reference_square = x * x + y * y, far_x * far_x + far_y * far_y
-            closing = x * (velocities[j, 0] - velocities[i, 0]) + y * (velocities[j, 1] - velocities[i, 1])
+            square = x * x + y * y
             length = np.sqrt(square)
-            if closing < 0.0:
-                push = _viscosity(constants, closing, square, density[i], density[j])
-                push *= mass[i] * mass[j] * weight[k] * np.sqrt(reference_square) / length
-                vx -= push * x
-                vy -= push * y
+            inverse = 1.0 / length
+            closing = x * (velocities[j, 0] - velocities[i, 0]) + y * (velocities[j, 1] - velocities[i, 1])
+            push = _viscosity(constants, closing, square, density[i], density[j])
+            push *= mass[j] * weight[k] * distance[k] * inverse
+            vx -= push * x
+            vy -= push * y
             if modulus > 0.0:
+                far_x, far_y = points[j, 0] - points[i, 0], points[j, 1] - points[i, 1]
                 image_x = (gradient[i, 0, 0] + gradient[j, 0, 0]) * far_x
                 image_x += (gradient[i, 0, 1] + gradient[j, 0, 1]) * far_y
                 image_y = (gradient[i, 1, 0] + gradient[j, 1, 0]) * far_x
                 image_y += (gradient[i, 1, 1] + gradient[j, 1, 1]) * far_y
                 # The length now, minus (F_i + F_j)/2 (X_j - X_i) along the line now.
-                reference_length = np.sqrt(reference_square)
-                hidden = length - 0.5 * (image_x * x + image_y * y) / length
-                hidden /= reference_length
-                strain = _borne(hidden - slip[k], min(limit[i], limit[j]))
-                new_slip[k] = hidden - strain
-                pull = modulus * volume[i] * volume[j] * kernel[k] * strain / (reference_length * length)
+                hidden = length - 0.5 * (image_x * x + image_y * y) * inverse
+                borne = _borne(hidden - slip[k], min(limit[i], limit[j]) * distance[k])
+                new_slip[k] = hidden - borne
+                pull = volume[j] * spring_weight[k] * borne * inverse
                 cx += pull * x
                 cy += pull * y
-        viscous[i, 0], viscous[i, 1] = vx, vy
-        control[i, 0], control[i, 1] = cx, cy
+        stiffness = modulus * volume[i]
+        viscous[i, 0], viscous[i, 1] = mass[i] * vx, mass[i] * vy
+        control[i, 0], control[i, 1] = stiffness * cx, stiffness * cy
     return viscous, control, new_slip
 
 
@@ -178,7 +178,8 @@ def _damping_3d(  # type: ignore[no-untyped-def]
     offsets,
     indices,
     weight,
-    kernel,
+    distance,
+    spring_weight,
     points,
     volume,
     positions,
@@ -200,20 +201,19 @@ def _damping_3d(  # type: ignore[no-untyped-def]
             j = indices[k]
             x, y = positions[j, 0] - positions[i, 0], positions[j, 1] - positions[i, 1]
             z = positions[j, 2] - positions[i, 2]
-            far_x, far_y = points[j, 0] - points[i, 0], points[j, 1] - points[i, 1]
-            far_z = points[j, 2] - points[i, 2]
             square = x * x + y * y + z * z
-            reference_square = far_x * far_x + far_y * far_y + far_z * far_z
+            length = np.sqrt(square)
+            inverse = 1.0 / length
             closing = x * (velocities[j, 0] - velocities[i, 0]) + y * (velocities[j, 1] - velocities[i, 1])
             closing += z * (velocities[j, 2] - velocities[i, 2])
-            length = np.sqrt(square)
-            if closing < 0.0:
-                push = _viscosity(constants, closing, square, density[i], density[j])
-                push *= mass[i] * mass[j] * weight[k] * np.sqrt(reference_square) / length
-                vx -= push * x
-                vy -= push * y
-                vz -= push * z
+            push = _viscosity(constants, closing, square, density[i], density[j])
+            push *= mass[j] * weight[k] * distance[k] * inverse
+            vx -= push * x
+            vy -= push * y
+            vz -= push * z
             if modulus > 0.0:
+                far_x, far_y = points[j, 0] - points[i, 0], points[j, 1] - points[i, 1]
+                far_z = points[j, 2] - points[i, 2]
                 image_x = (gradient[i, 0, 0] + gradient[j, 0, 0]) * far_x
                 image_x += (gradient[i, 0, 1] + gradient[j, 0, 1]) * far_y
                 image_x += (gradient[i, 0, 2] + gradient[j, 0, 2]) * far_z
@@ -224,29 +224,28 @@ def _damping_3d(  # type: ignore[no-untyped-def]
                 image_z += (gradient[i, 2, 1] + gradient[j, 2, 1]) * far_y
                 image_z += (gradient[i, 2, 2] + gradient[j, 2, 2]) * far_z
                 # The length now, minus (F_i + F_j)/2 (X_j - X_i) along the line now.
-                reference_length = np.sqrt(reference_square)
-                hidden = length - 0.5 * (image_x * x + image_y * y + image_z * z) / length
-                hidden /= reference_length
-                strain = _borne(hidden - slip[k], min(limit[i], limit[j]))
-                new_slip[k] = hidden - strain
-                pull = modulus * volume[i] * volume[j] * kernel[k] * strain / (reference_length * length)
+                hidden = length - 0.5 * (image_x * x + image_y * y + image_z * z) * inverse
+                borne = _borne(hidden - slip[k], min(limit[i], limit[j]) * distance[k])
+                new_slip[k] = hidden - borne
+                pull = volume[j] * spring_weight[k] * borne * inverse
                 cx += pull * x
                 cy += pull * y
                 cz += pull * z
-        viscous[i, 0], viscous[i, 1], viscous[i, 2] = vx, vy, vz
-        control[i, 0], control[i, 1], control[i, 2] = cx, cy, cz
+        stiffness = modulus * volume[i]
+        viscous[i, 0], viscous[i, 1], viscous[i, 2] = mass[i] * vx, mass[i] * vy, mass[i] * vz
+        control[i, 0], control[i, 1], control[i, 2] = stiffness * cx, stiffness * cy, stiffness * cz
     return viscous, control, new_slip
 
 
 @njit(inline="always")
 def _viscosity(constants, closing, square, density, other):  # type: ignore[no-untyped-def]
-    """Pi of a pair that approaches, from x·v, x² and both densities."""
+    """Pi of a pair from x·v, x² and both densities: zero unless it approaches, without a branch to guess wrong."""
     smoothing, alpha, beta, sound, _ = constants
-    mu = smoothing * closing / (square + 0.01 * smoothing * smoothing)
+    mu = smoothing * min(closing, 0.0) / (square + 0.01 * smoothing * smoothing)
     return (-alpha * sound + beta * mu) * mu / (0.5 * (density + other))
 
 
 @njit(inline="always")
-def _borne(strain, most):  # type: ignore[no-untyped-def]
-    """What a spring that yields at ``most`` bears of ``strain``."""
-    return min(max(strain, -most), most)
+def _borne(length, most):  # type: ignore[no-untyped-def]
+    """What a spring that yields at ``most`` bears of ``length``."""
+    return min(max(length, -most), most)

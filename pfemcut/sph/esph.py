@@ -15,6 +15,7 @@ from pfemcut.method import RunStopped
 from pfemcut.particles.cells import NeighbourList
 from pfemcut.particles.formulation import Evaluation
 from pfemcut.particles.problem import ParticleProblem
+from pfemcut.particles.small_matrices import product
 from pfemcut.particles.state import Arrays
 from pfemcut.particles.stress import PointState, cauchy_stress, linear_pressure, updated_bodies
 from pfemcut.sph.eulerian import PairConstants, pair_forces, support, velocity_sums
@@ -80,13 +81,15 @@ class Eulerian:
             self._neighbours, middle, velocities, volume, controls.smoothing_length
         )
         correction = inverse_moments(moments, controls.corrected)
-        velocity_gradient = rates @ correction
+        velocity_gradient = product(rates, correction)
         growth = 0.5 * dt * np.trace(velocity_gradient, axis1=1, axis2=2)
         if not np.abs(growth).max() < 1.0:
             where = ", ".join(f"{x:.3g}" for x in positions[np.argmax(np.abs(growth))])
             raise RunStopped(f"the particle at ({where}) mm changes its volume too much in a step")
         volume_ratio = memory.volume_ratio * (1.0 + growth) / (1.0 - growth)
-        update = updated_bodies(self._materials, problem.ranges, material, velocity_gradient, dt)
+        update = updated_bodies(
+            self._materials, problem.ranges, material, velocity_gradient, dt, volume_ratio
+        )
         pressure = linear_pressure(self._bulk, volume_ratio)
         stress = cauchy_stress(update.state.deviator, pressure, problem.dimension)
         internal, viscous, repulsive = pair_forces(
@@ -95,7 +98,7 @@ class Eulerian:
             velocities,
             problem.mass,
             problem.inertial_density / volume_ratio,
-            stress @ correction,
+            product(stress, correction),
             pressure,
             self._constants,
         )

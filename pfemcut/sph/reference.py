@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from pfemcut.particles.kernel import SUPPORT, slopes, weights
 from pfemcut.particles.neighbours import Neighbours, neighbours_within
+from pfemcut.particles.small_matrices import determinant, inverse
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -34,8 +35,10 @@ class Reference:
         Pairs within the support of the kernel.
     gradient_weight
         |dW/dr| / r of each entry (1/mm^(d+2)); shape (k,).
-    kernel
-        W of each entry (1/mm^d); shape (k,).
+    distance
+        R of each entry (mm); shape (k,).
+    spring_weight
+        W / R² of each entry (1/mm^(d+2)); shape (k,).
     correction
         K⁻¹ with K_i = sum_j V_j (X_j - X_i) ⊗ gradient, which makes gradients of linear fields exact
         (Bonet and Lok 1999); the identity where it is switched off; shape (n, d, d).
@@ -45,7 +48,8 @@ class Reference:
     volume: Array
     neighbours: Neighbours
     gradient_weight: Array
-    kernel: Array
+    distance: Array
+    spring_weight: Array
     correction: Array
 
 
@@ -57,14 +61,14 @@ def reference_of(
     Particles of different bodies are no neighbours. ``smoothing_length`` in mm.
     """
     dimension = points.shape[1]
-    neighbours = neighbours_within(points, SUPPORT * smoothing_length, body)
+    # Pairs just as far apart as the support reaches, of which lattices have many, add nothing.
+    neighbours = neighbours_within(points, (1.0 - 1e-9) * SUPPORT * smoothing_length, body)
     apart = points[neighbours.indices] - points[neighbours.owners]
     distance = np.sqrt(np.einsum("ka,ka->k", apart, apart))
     weight = -slopes(distance, smoothing_length, dimension) / distance
     correction = inverse_moments(moments(neighbours, apart, weight, volume), corrected)
-    return Reference(
-        points, volume, neighbours, weight, weights(distance, smoothing_length, dimension), correction
-    )
+    spring = weights(distance, smoothing_length, dimension) / distance**2
+    return Reference(points, volume, neighbours, weight, distance, spring, correction)
 
 
 def inverse_moments(moments: Array, corrected: bool) -> Array:
@@ -74,8 +78,8 @@ def inverse_moments(moments: Array, corrected: bool) -> Array:
     """
     found = np.broadcast_to(np.eye(moments.shape[1]), moments.shape).copy()
     if corrected:
-        enough = np.linalg.det(moments) > SMALLEST_MOMENT
-        found[enough] = np.linalg.inv(moments[enough])
+        enough = determinant(moments) > SMALLEST_MOMENT
+        found[enough] = inverse(moments[enough])
     return found
 
 

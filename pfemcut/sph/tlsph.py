@@ -16,9 +16,10 @@ from pfemcut.method import RunStopped
 from pfemcut.particles.cells import NeighbourList
 from pfemcut.particles.formulation import Evaluation
 from pfemcut.particles.problem import ParticleProblem
+from pfemcut.particles.small_matrices import determinant, inverse, product, transposed
 from pfemcut.particles.state import Arrays
 from pfemcut.particles.stress import PointState, cauchy_stress, linear_pressure, updated_bodies, von_mises
-from pfemcut.sph.damping import Springs, carried, damping_force, hidden_strain
+from pfemcut.sph.damping import Springs, carried, damping_force, hidden_length
 from pfemcut.sph.pinball import pinball_forces
 from pfemcut.sph.reference import Reference, reference_of
 from pfemcut.sph.total_lagrangian import deformation_gradient, internal_force
@@ -39,7 +40,7 @@ class Deformation:
     gradient
         Deformation gradient F from the reference at the end of the last step; shape (n, d, d).
     slip
-        Hidden strain at which the spring of each pair is relaxed; shape (k,).
+        Hidden length at which the spring of each pair is relaxed (mm); shape (k,).
     """
 
     reference: Reference
@@ -67,7 +68,7 @@ class TotalLagrangian:
         """The reference at time zero, undeformed."""
         reference = self._reference(self._problem.points, np.ones(len(self._problem.points)))
         return self._undeformed(
-            reference, np.ones(len(self._problem.points)), np.zeros(reference.kernel.shape)
+            reference, np.ones(len(self._problem.points)), np.zeros(reference.distance.shape)
         )
 
     def evaluate(
@@ -88,7 +89,7 @@ class TotalLagrangian:
         problem, controls = self._problem, self._problem.smoothing
         reference = memory.reference
         gradient = deformation_gradient(reference, positions)
-        ratio = np.linalg.det(gradient)
+        ratio = determinant(gradient)
         if not ratio.min() > 0.0:
             where = ", ".join(f"{x:.3g}" for x in positions[np.argmin(ratio)])
             raise RunStopped(
@@ -96,13 +97,15 @@ class TotalLagrangian:
                 "more viscosity may help"
             )
         velocity_gradient = (
-            (gradient - memory.gradient) @ np.linalg.inv(0.5 * (gradient + memory.gradient)) / dt
+            product(gradient - memory.gradient, inverse(0.5 * (gradient + memory.gradient))) / dt
         )
-        update = updated_bodies(self._materials, problem.ranges, material, velocity_gradient, dt)
         volume_ratio = memory.reference_ratio * ratio
+        update = updated_bodies(
+            self._materials, problem.ranges, material, velocity_gradient, dt, volume_ratio
+        )
         pressure = linear_pressure(self._bulk, volume_ratio)
         stress = cauchy_stress(update.state.deviator, pressure, problem.dimension)
-        first_piola = ratio[:, None, None] * stress @ np.linalg.inv(gradient).transpose(0, 2, 1)
+        first_piola = ratio[:, None, None] * product(stress, transposed(inverse(gradient)))
         # Springs of a part of the body's stiffness have that part of its strength.
         strength = np.where(update.state.rate > 0.0, von_mises(update.state.deviator), np.inf)
         viscous, control, slip = damping_force(
@@ -162,9 +165,11 @@ class TotalLagrangian:
         if largest <= controls.reference_update * controls.smoothing_length:
             return memory, False
         reference = self._reference(positions, volume_ratio)
-        strain = hidden_strain(memory.reference, positions, memory.gradient) - memory.slip
+        strain = (
+            hidden_length(memory.reference, positions, memory.gradient) - memory.slip
+        ) / memory.reference.distance
         kept = carried(strain, memory.reference.neighbours, reference.neighbours)
-        return self._undeformed(reference, volume_ratio, -kept), True
+        return self._undeformed(reference, volume_ratio, -kept * reference.distance), True
 
     def arrays(self, memory: Deformation) -> Arrays:
         """``memory`` for a checkpoint; neighbours and kernels are found again from the points."""

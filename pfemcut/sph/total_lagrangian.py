@@ -10,6 +10,7 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
+from pfemcut.particles.small_matrices import product
 from pfemcut.sph.reference import Reference
 
 Array = NDArray[np.float64]
@@ -41,7 +42,7 @@ def deformation_gradient(reference: Reference, positions: Array) -> Array:
         reference.volume,
         positions - reference.points,
     )
-    return np.eye(positions.shape[1]) + displaced @ reference.correction
+    return np.eye(positions.shape[1]) + product(displaced, reference.correction)
 
 
 @njit(parallel=True, cache=True)
@@ -123,7 +124,7 @@ def internal_force(reference: Reference, first_piola: Array) -> Array:
             reference.gradient_weight,
             reference.points,
             reference.volume,
-            first_piola @ reference.correction,
+            product(first_piola, reference.correction),
         )
     )
 
