@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from pfemcut.materials.load import load_material
 from pfemcut.particles.kernel import SUPPORT, normalisation, shape, shape_slope, slopes, weights
 from pfemcut.particles.lattice import box_lattice, cylinder_lattice
+from pfemcut.particles.matrices import inverses
 from pfemcut.particles.neighbours import neighbours_within
 from pfemcut.particles.stress import (
     PointState,
@@ -211,3 +212,16 @@ def test_pressure_and_stress() -> None:
     stress = cauchy_stress(np.array([[1.0, 2.0, -3.0, 4.0, 5.0, 6.0]]), np.array([10.0]), 3)[0]
     assert (stress == [[-9.0, 4.0, 6.0], [4.0, -8.0, 5.0], [6.0, 5.0, -13.0]]).all()
     assert (cauchy_stress(np.array([[1.0, 2.0, -3.0, 4.0, 0.0, 0.0]]), np.array([0.0]), 2)[0]).shape == (2, 2)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_inverses_are_lapack_s(dimension: int) -> None:
+    """To 1e-12; a singular matrix has determinant zero and does not stop the others."""
+    matrices = np.eye(dimension) + np.random.default_rng(3).normal(0.0, 0.3, (50, dimension, dimension))
+    inverse, determinant = inverses(matrices)
+    assert inverse == pytest.approx(np.linalg.inv(matrices), rel=1e-12, abs=1e-12)
+    assert determinant == pytest.approx(np.linalg.det(matrices), rel=1e-12)
+    matrices[7] = 0.0
+    again, determinant = inverses(matrices)
+    assert determinant[7] == 0.0
+    assert np.array_equal(again[8:], inverse[8:])

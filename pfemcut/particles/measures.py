@@ -159,10 +159,10 @@ def bands(grid: Grid, least: float) -> Bands:
 
 
 def families(direction: Array, weight: Array) -> tuple[float, ...]:
-    """Directions (degree, 0 to 180) round which many of ``direction`` (n,) gather, by ``weight`` (n,), strongest first.
+    """Directions (degree, 0 to 180) where many of ``direction`` (n,) gather, by ``weight`` (n,), strongest first.
 
-    Peaks of the density of directions, smoothed by a Gaussian of 8 degrees, that are at least a third of the highest and
-    20 degrees apart.
+    Peaks of the density of directions, smoothed by a Gaussian of 8 degrees, that are at least a third of the highest
+    and 20 degrees apart.
     """
     at = np.arange(180.0)
     apart = np.abs((at[:, None] - direction + 90.0) % 180.0 - 90.0)

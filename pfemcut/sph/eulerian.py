@@ -1,7 +1,8 @@
 """Kernel sums over present neighbours: velocity gradient, forces of stress, viscosity and artificial pressure.
 
 Each loop gathers into its own particle's row, in the order of the neighbours, so results do not depend on the number
-of threads. Two and three dimensions are written out apart: the sums then stay in registers. The gradient of the kernel at particle i is |dW/dr| / r (x_j - x_i): it points to the neighbour.
+of threads. Two and three dimensions are written out apart: the sums then stay in registers. The gradient of the kernel
+at particle i is |dW/dr| / r (x_j - x_i): it points to the neighbour.
 """
 
 from __future__ import annotations
@@ -219,7 +220,9 @@ def _pair_forces_2d(  # type: ignore[no-untyped-def]
                 gx, gy = weight * x, weight * y
                 fx += (stress[i, 0, 0] + stress[j, 0, 0]) * gx + (stress[i, 0, 1] + stress[j, 0, 1]) * gy
                 fy += (stress[i, 1, 0] + stress[j, 1, 0]) * gx + (stress[i, 1, 1] + stress[j, 1, 1]) * gy
-                closing = x * (velocities[j, 0] - velocities[i, 0]) + y * (velocities[j, 1] - velocities[i, 1])
+                closing = x * (velocities[j, 0] - velocities[i, 0]) + y * (
+                    velocities[j, 1] - velocities[i, 1]
+                )
                 if closing < 0.0:
                     push = _viscosity(viscosity, closing, square, density[i], density[j])
                     vx -= push * gx
@@ -268,7 +271,9 @@ def _pair_forces_3d(  # type: ignore[no-untyped-def]
                     + (stress[i, 2, 1] + stress[j, 2, 1]) * gy
                     + (stress[i, 2, 2] + stress[j, 2, 2]) * gz
                 )
-                closing = x * (velocities[j, 0] - velocities[i, 0]) + y * (velocities[j, 1] - velocities[i, 1])
+                closing = x * (velocities[j, 0] - velocities[i, 0]) + y * (
+                    velocities[j, 1] - velocities[i, 1]
+                )
                 closing += z * (velocities[j, 2] - velocities[i, 2])
                 if closing < 0.0:
                     push = _viscosity(viscosity, closing, square, density[i], density[j])

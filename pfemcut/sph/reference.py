@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pfemcut.particles.kernel import SUPPORT, slopes, weights
+from pfemcut.particles.matrices import inverses
 from pfemcut.particles.neighbours import Neighbours, neighbours_within
 
 Array = NDArray[np.float64]
@@ -50,14 +51,14 @@ class Reference:
 
 
 def reference_of(
-    points: Array, volume: Array, body: IntArray, smoothing_length: float, corrected: bool
+    points: Array, volume: Array, group: IntArray, smoothing_length: float, corrected: bool
 ) -> Reference:
-    """The reference configuration at ``points`` (n, d) with ``volume`` and number of the ``body`` (n,).
+    """The reference configuration at ``points`` (n, d) with ``volume`` (n,) and ``group`` (n,).
 
-    Particles of different bodies are no neighbours. ``smoothing_length`` in mm.
+    Particles of different groups are no neighbours. ``smoothing_length`` in mm.
     """
     dimension = points.shape[1]
-    neighbours = neighbours_within(points, SUPPORT * smoothing_length, body)
+    neighbours = neighbours_within(points, SUPPORT * smoothing_length, group)
     apart = points[neighbours.indices] - points[neighbours.owners]
     distance = np.sqrt(np.einsum("ka,ka->k", apart, apart))
     weight = -slopes(distance, smoothing_length, dimension) / distance
@@ -74,8 +75,9 @@ def inverse_moments(moments: Array, corrected: bool) -> Array:
     """
     found = np.broadcast_to(np.eye(moments.shape[1]), moments.shape).copy()
     if corrected:
-        enough = np.linalg.det(moments) > SMALLEST_MOMENT
-        found[enough] = np.linalg.inv(moments[enough])
+        inverse, determinant = inverses(moments)
+        enough = determinant > SMALLEST_MOMENT
+        found[enough] = inverse[enough]
     return found
 
 

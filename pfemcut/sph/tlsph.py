@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from pfemcut.method import RunStopped
 from pfemcut.particles.cells import NeighbourList
 from pfemcut.particles.formulation import Evaluation
+from pfemcut.particles.matrices import inverses
 from pfemcut.particles.problem import ParticleProblem
 from pfemcut.particles.state import Arrays
 from pfemcut.particles.stress import PointState, cauchy_stress, linear_pressure, updated_bodies
@@ -52,6 +53,11 @@ class TotalLagrangian:
         self._shear = problem.by_body([body.material.shear_modulus for body in problem.bodies])
         self._near = NeighbourList(problem.smoothing.spacing)
         self._materials = [body.material for body in problem.bodies]
+        # Nothing happens between the particles of a rigid body, so each is its own group and has no neighbours.
+        rigid = np.repeat(
+            [bool(body.held.all()) for body in problem.bodies], np.bincount(problem.body_number)
+        )
+        self._group = np.where(rigid, -1 - np.arange(len(rigid)), problem.body_number)
 
     @property
     def problem(self) -> ParticleProblem:
@@ -80,21 +86,20 @@ class TotalLagrangian:
         problem, controls = self._problem, self._problem.smoothing
         reference = memory.reference
         gradient = deformation_gradient(reference, positions)
-        ratio = np.linalg.det(gradient)
+        inverse, ratio = inverses(gradient)
         if not ratio.min() > 0.0:
             where = ", ".join(f"{x:.3g}" for x in positions[np.argmin(ratio)])
             raise RunStopped(
                 f"the particle at ({where}) mm has turned inside out; a smaller [particles] reference_update or "
                 "more viscosity may help"
             )
-        velocity_gradient = (
-            (gradient - memory.gradient) @ np.linalg.inv(0.5 * (gradient + memory.gradient)) / dt
-        )
+        middle, _ = inverses(0.5 * (gradient + memory.gradient))
+        velocity_gradient = (gradient - memory.gradient) @ middle / dt
         update = updated_bodies(self._materials, problem.ranges, material, velocity_gradient, dt)
         volume_ratio = memory.reference_ratio * ratio
         pressure = linear_pressure(self._bulk, volume_ratio)
         stress = cauchy_stress(update.state.deviator, pressure, problem.dimension)
-        first_piola = ratio[:, None, None] * stress @ np.linalg.inv(gradient).transpose(0, 2, 1)
+        first_piola = ratio[:, None, None] * stress @ inverse.transpose(0, 2, 1)
         viscous, control = damping_force(
             reference,
             positions,
@@ -177,7 +182,7 @@ class TotalLagrangian:
         return reference_of(
             points,
             problem.volume * ratio,
-            problem.body_number,
+            self._group,
             problem.smoothing.smoothing_length,
             problem.smoothing.corrected,
         )

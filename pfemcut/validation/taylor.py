@@ -90,9 +90,7 @@ def measured(start: Array, points: Array, radius: float, spacing: float) -> Bar:
 
 def ladder(folder: Path, method: str) -> Study:
     """The study of the demo in ``folder``, whose case has this ``method``."""
-    variants = [
-        _variant(spacing, corrected, ()) for spacing in SPACINGS for corrected in (True, False)
-    ]
+    variants = [_variant(spacing, corrected, ()) for spacing in SPACINGS for corrected in (True, False)]
     melting = (f"body.0.material.hardening.melting_temperature={PAPERS_MELTING}",)
     variants += [_variant(0.5, corrected, melting) for corrected in (True, False)]
     conclude = partial(_conclude, method)
@@ -110,9 +108,7 @@ def _variant(spacing: float, corrected: bool, changes: tuple[str, ...]) -> Varia
     )
 
 
-def _conclude(
-    method: str, outcomes: Sequence[Outcome], results: Path
-) -> tuple[dict[str, Any], bool]:
+def _conclude(method: str, outcomes: Sequence[Outcome], results: Path) -> tuple[dict[str, Any], bool]:
     rows = [_row(outcome) for outcome in outcomes]
     write_table(results / "ladder.csv", f"Taylor bar, {method}", _HEADER, rows)
     _draw_ladder(method, rows, results / "ladder.png")
@@ -166,7 +162,9 @@ def _draw_ladder(method: str, rows: Sequence[Sequence[str | float]], path: Path)
     columns = (("length",), ("diameter", "diameter_centres", "diameter_stretched"))
     for at, names, reference in zip(axes, columns, (0, 1), strict=True):
         for corrected, colour in (("yes", "tab:blue"), ("no", "tab:red")):
-            chosen = [row for row in table if row["corrected"] == corrected and "melting" not in str(row["run"])]
+            chosen = [
+                row for row in table if row["corrected"] == corrected and "melting" not in str(row["run"])
+            ]
             for name, style in zip(names, ("o-", "v:", "s--"), strict=False):
                 label = f"{'corrected' if corrected == 'yes' else 'plain'}, {name.replace('_', ', ')}"
                 x, y = [row["spacing"] for row in chosen], [row[name] for row in chosen]
@@ -174,7 +172,9 @@ def _draw_ladder(method: str, rows: Sequence[Sequence[str | float]], path: Path)
         lines = {**REFERENCES, "paper": PAPER[method]}
         for (name, values), grey in zip(lines.items(), ("black", "0.4", "0.65"), strict=True):
             at.axhline(values[reference], color=grey, linewidth=1.0, label=name)
-        at.set(xlabel="spacing (mm)", ylabel="final length (mm)" if reference == 0 else "mushroom diameter (mm)")
+        at.set(
+            xlabel="spacing (mm)", ylabel="final length (mm)" if reference == 0 else "mushroom diameter (mm)"
+        )
         at.legend(fontsize="x-small")
         at.grid(alpha=0.3)
     figure.suptitle(f"Taylor bar, {method.upper()}")
