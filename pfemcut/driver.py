@@ -6,25 +6,21 @@ reports are written once and serve every method.
 
 from __future__ import annotations
 
-import math
 import signal
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-import numpy as np
-
-from pfemcut.inputs import InputError, UserError, read_toml
+from pfemcut.any_problem import AnyProblem
+from pfemcut.conclusion import summary_of
+from pfemcut.inputs import UserError
 from pfemcut.method import CutEnded, Frame, Measures, Method, RunStopped
 from pfemcut.moment import Callback, Callbacks, Moment, nothing
 from pfemcut.output.directory import (
-    HISTORY,
-    INPUTS,
     SUMMARY,
-    TIMING,
     prepare_directory,
     remove_conclusions,
     writing,
@@ -32,10 +28,7 @@ from pfemcut.output.directory import (
 from pfemcut.output.progress import progress_display
 from pfemcut.output.recorder import Recorder
 from pfemcut.output.requests import Request, asked, done
-from pfemcut.output.surface import surface_figures, surface_warnings
-from pfemcut.output.tool_profiles import cut_profiles, write_table
-from pfemcut.particles.problem import ParticleProblem
-from pfemcut.problem import Cut, Problem
+from pfemcut.problem import Cut
 from pfemcut.ranks import Ranks, RanksDiffer, SignalNotes
 from pfemcut.results.checkpoint import (
     Checkpoint,
@@ -46,20 +39,12 @@ from pfemcut.results.checkpoint import (
 )
 from pfemcut.results.contact_table import EVERY
 from pfemcut.results.derived.columns import derived_columns
-from pfemcut.results.derived.profile_figures import profile_figures
-from pfemcut.results.derived.tool_heating import tool_warnings
 from pfemcut.results.derived.tool_profiles import tool_loads
-from pfemcut.results.history import CORE_COLUMNS, read_table
-from pfemcut.results.summary import Summary, summarise, update_summary, write_summary
+from pfemcut.results.summary import Summary, write_summary
 
 if TYPE_CHECKING:
     from pfemcut.case.load import AnyCase
     from pfemcut.materials.material import Material
-    from pfemcut.output.scales import Scales
-
-
-AnyProblem = Problem | ParticleProblem
-"""What the driver runs; it uses title, tool, cut and final time."""
 
 
 class RunInterrupted(RunStopped):
@@ -136,49 +121,6 @@ def run_case(
     )
 
 
-def report_case(directory: Path, *, animation: bool = True, scales: Scales | None = None) -> None:
-    """Write figures and report of a cutting case from its output directory alone.
-
-    A run that was killed, or goes on, has no summary yet; its history so far makes one.
-
-    Parameters
-    ----------
-    directory
-        Output directory of a run.
-    animation
-        Whether to draw the animation of the chip too.
-    scales
-        Colour scales of fields that replace their own.
-
-    Raises
-    ------
-    UserError
-        If the directory holds no run's results or they are damaged.
-    """
-    from pfemcut.case.load import validated
-    from pfemcut.case.translate import problem_of
-    from pfemcut.output.report import write_report
-
-    ended = (directory / SUMMARY).exists()
-    try:
-        problem = problem_of(*validated(read_toml(directory / INPUTS), directory), directory)
-    except InputError:
-        if not ended:
-            raise
-        # A case of another version: the page shows what is there.
-        write_report(directory, animation=animation, scales=scales)
-        return
-    if ended:
-        if isinstance(problem, Problem):
-            update_summary(directory / SUMMARY, surface_figures(directory, problem))
-        write_report(directory, animation=animation, scales=scales)
-    else:
-        # Not written: the run goes on, and who reads a summary takes it for ended.
-        ending = "had not ended when this was written"
-        summary = summary_of(directory, problem, finished=False, ending=ending, warnings=(ending,))
-        write_report(directory, animation=animation, scales=scales, summary=summary.to_json())
-
-
 def run_problem(
     problem: AnyProblem,
     factory: MethodFactory,
@@ -237,53 +179,16 @@ def run_problem(
         warnings: tuple[str, ...] = ()
         if resume:
             checkpoint = ranks.on_first(lambda: _resumable(directory, inputs))
-            # What an earlier end concluded no longer holds.
-            ranks.on_first(lambda: remove_conclusions(directory))
             last_step, warnings = checkpoint.step, checkpoint.warnings
             method = factory.restore(checkpoint.state)
             require_still_cutting(checkpoint.resolved_case, inputs, method.measure().time)
+            # What an earlier end concluded no longer holds; a resume that was refused left it.
+            ranks.on_first(lambda: remove_conclusions(directory))
         else:
             method = factory.start()
         run = _Run(problem, method, directory, controls, ranks, warnings, callbacks)
         with run.recording(inputs, last_step):
             return run.to_end(fresh=not resume)
-
-
-def summary_of(
-    directory: Path, problem: AnyProblem, *, finished: bool, ending: str, warnings: Sequence[str]
-) -> Summary:
-    """Build the summary of the tables in ``directory``, and write the profiles along the tool beside them."""
-    history, timing = directory / HISTORY, directory / TIMING
-    none = {name: np.zeros(0) for name in CORE_COLUMNS}
-    cut, tool = problem.cut, problem.tool
-    columns = (read_table(history) or none) if history.exists() else none
-    last = float(columns["time"][-1]) if columns["time"].size else 0.0
-    if last > 0.0 and isinstance(problem, Problem):
-        # Unloading and cooling are no part of the cut.
-        warnings = (*warnings, *tool_warnings(problem, min(last, problem.time.end)))
-    figures: dict[str, dict[str, float | str]] = {}
-    for found in cut_profiles(directory):
-        write_table(directory, found.profiles)
-        figures = profile_figures(found.profiles)
-    summary = summarise(
-        columns,
-        read_table(timing) if timing.exists() else {},
-        title=problem.title,
-        finished=finished,
-        ending=ending,
-        depth=cut[0].depth if cut else math.nan,
-        rake=tool[0].shape.rake if tool else math.nan,
-        warnings=warnings,
-        profile_figures=figures,
-    )
-    if not isinstance(problem, Problem):
-        return summary
-    figures = surface_figures(directory, problem)
-    return replace(
-        summary,
-        figures={**summary.figures, **figures},
-        warnings=(*summary.warnings, *surface_warnings(problem, figures, last)),
-    )
 
 
 class _Run:

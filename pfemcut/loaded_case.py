@@ -12,7 +12,7 @@ from pfemcut.inputs import InputError, read_toml
 from pfemcut.materials.material import Material
 
 if TYPE_CHECKING:
-    from pfemcut.driver import AnyProblem
+    from pfemcut.any_problem import AnyProblem
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from pfemcut.driver import AnyProblem, MethodFactory
+from pfemcut.any_problem import AnyProblem
+from pfemcut.driver import MethodFactory
 from pfemcut.particles.problem import Formulation, ParticleProblem
 
 if TYPE_CHECKING:

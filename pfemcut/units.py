@@ -61,6 +61,9 @@ KINDS = (
 )
 """All kinds of quantities in the schema."""
 
+PURE = "dimensionless"
+"""What descriptions call a pure number."""
+
 _OTHER_NAMES = (
     ("kg", "a mass"),
     ("N", "a force"),
@@ -93,10 +96,20 @@ class UnitError(ValueError):
 
 @cache
 def declared(description: str) -> Kind | None:
-    """The kind of a key by its description: of the first unit in brackets, up to a semicolon; None without one."""
-    known = {kind.unit: kind for kind in KINDS}
-    units = (inside.partition(";")[0].strip() for inside in _BRACKETS.findall(description))
-    return next((known[unit] for unit in units if unit in known), None)
+    """The kind of a key by the unit that its description names; None without one."""
+    unit, _ = unit_and_words(description)
+    return next((kind for kind in KINDS if kind.unit == unit), None)
+
+
+def unit_and_words(description: str) -> tuple[str, str]:
+    """Split a description of the schema: the first unit in brackets, up to a semicolon, and the rest without it."""
+    known = {PURE, *(kind.unit for kind in KINDS)}
+    for brackets in _BRACKETS.finditer(description):
+        unit, _, more = (part.strip() for part in brackets[1].partition(";"))
+        if unit in known:
+            more = f" ({more})" if more else ""
+            return unit, f"{description[: brackets.start()].rstrip()}{more}{description[brackets.end() :]}"
+    return "", description
 
 
 def both(value: float, unit: str, digits: int = 4) -> str:

@@ -269,6 +269,15 @@ def test_resuming_another_case_or_nothing_is_refused(tmp_path: Path) -> None:
         run(tmp_path / "empty", resume=True)
 
 
+def test_a_resume_that_is_refused_leaves_what_was_concluded(tmp_path: Path) -> None:
+    cut = "[cutting]\nspeed = 3.0\ntravel = 0.3\n"
+    run(tmp_path, last=4, inputs=cut)
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    with pytest.raises(CheckpointError, match=r"has cut 0.6 mm, more than travel = 0.3"):
+        run(tmp_path, resume=True, inputs=cut + "[after]\ncool = true\n")
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
+
+
 def test_a_damaged_checkpoint_costs_some_steps_and_a_warning(tmp_path: Path) -> None:
     run(tmp_path / "whole")
     run(tmp_path / "hurt", last=12)

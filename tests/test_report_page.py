@@ -22,7 +22,7 @@ from pfemcut.inputs import InputError
 from pfemcut.method import ContactView
 from pfemcut.output.figures import FIELDS, colour_scale
 from pfemcut.output.report import write_report
-from pfemcut.output.report.inputs import tables, unit_and_words
+from pfemcut.output.report.inputs import tables
 from pfemcut.output.report.ledgers import energy_ledger, heat_ledger
 from pfemcut.output.report.results import trend
 from pfemcut.output.report.text import converted, number, shown, with_scatter
@@ -31,6 +31,7 @@ from pfemcut.output.vtu import FieldWriter
 from pfemcut.results.derived.steady_window import steady_window
 from pfemcut.results.history import TableWriter, read_table
 from pfemcut.results.summary import summarise, write_summary
+from pfemcut.units import unit_and_words
 
 NASTY = "</pre><script>alert(1)</script><img src=http://evil.example/x.png>"
 VOID = {"meta", "img", "br", "link"}

@@ -17,7 +17,7 @@ from pydantic import BaseModel
 from pfemcut.case.general_schema import GeneralCase
 from pfemcut.case.load import CaseError, load_case, resolved_toml, validated
 from pfemcut.case.schema import Case
-from pfemcut.cli.table import figure_text
+from pfemcut.cli.table import figure_in_column
 from pfemcut.inputs import InputError, models_in
 from pfemcut.materials.describe import described
 from pfemcut.materials.load import MaterialTable, load_material
@@ -120,8 +120,8 @@ def test_both_shows_a_second_unit_where_engineers_use_one() -> None:
 
 
 def test_results_and_materials_are_shown_in_both_units() -> None:
-    assert figure_text({"mean": 820.0, "std": 1.4, "unit": "K"}).strip() == "820 +- 1.4 K = 546.9 degC"
-    assert figure_text({"value": 0.171, "unit": "mm"}).strip() == "0.171 mm"
+    assert figure_in_column({"mean": 820.0, "std": 1.4, "unit": "K"}).strip() == "820 +- 1.4 K = 546.9 degC"
+    assert figure_in_column({"value": 0.171, "unit": "mm"}).strip() == "0.171 mm"
     lines = described(load_material("aisi4340", ROOT)).splitlines()
     density = next(line for line in lines if line.startswith("density"))
     assert "# 7844 kg/m^3: Density" in density

@@ -19,17 +19,13 @@ from pfemcut.case.sections import (
     Spacing,
     Time,
     ToolHeat,
+    as_tuples,
     name_or_table,
 )
 
-
-def _as_tuple(value: Any) -> Any:
-    return tuple(value) if isinstance(value, list) else value
-
-
-Point = Annotated[tuple[float, float], BeforeValidator(_as_tuple)]
-Numbers = Annotated[tuple[float, ...], BeforeValidator(_as_tuple)]
-Names = Annotated[tuple[str, ...], BeforeValidator(_as_tuple)]
+Point = Annotated[tuple[float, float], BeforeValidator(as_tuples)]
+Numbers = Annotated[tuple[float, ...], BeforeValidator(as_tuples)]
+Names = Annotated[tuple[str, ...], BeforeValidator(as_tuples)]
 
 
 class TimeTable(Section):
@@ -80,13 +76,13 @@ class BodyTable(Section):
     """The deforming body: an outline that is meshed, or a mesh file."""
 
     name: str = Field(default="body", min_length=1, description="Name in messages and outputs")
-    outline: Annotated[tuple[Point, ...], BeforeValidator(_as_tuple)] | None = Field(
+    outline: Annotated[tuple[Point, ...], BeforeValidator(as_tuples)] | None = Field(
         default=None, min_length=3, description="Corners, counter-clockwise (mm)"
     )
-    parts: Annotated[tuple[str, ...], BeforeValidator(_as_tuple)] | None = Field(
+    parts: Annotated[tuple[str, ...], BeforeValidator(as_tuples)] | None = Field(
         default=None, description="Name of the boundary part of each side; side i starts at corner i"
     )
-    arcs: Annotated[tuple[ArcSide, ...], BeforeValidator(_as_tuple)] = Field(
+    arcs: Annotated[tuple[ArcSide, ...], BeforeValidator(as_tuples)] = Field(
         default=(), description="Sides that are circular arcs"
     )
     mesh: str | None = Field(
@@ -192,7 +188,7 @@ class GeneralMesh(Spacing):
     """Particle spacing h, and when particles are inserted and removed."""
 
     size: float = Field(gt=0, description="Largest spacing (mm)")
-    refine: Annotated[tuple[Refinement, ...], BeforeValidator(_as_tuple)] = Field(
+    refine: Annotated[tuple[Refinement, ...], BeforeValidator(as_tuples)] = Field(
         default=(), description="Finer regions"
     )
     velocity: Point = Field(default=(0.0, 0.0), description="Velocity of the finer regions (mm/s)")
@@ -239,7 +235,7 @@ def _one_or_more(value: Any) -> str:
 
 Contacts = Annotated[
     Annotated[GeneralContact, Tag("one law")]
-    | Annotated[tuple[PairTable, ...], BeforeValidator(_as_tuple), Tag("pairs")],
+    | Annotated[tuple[PairTable, ...], BeforeValidator(as_tuples), Tag("pairs")],
     Discriminator(_one_or_more),
 ]
 
@@ -258,10 +254,10 @@ class GeneralCase(Section):
     title: str = Field(default="", description="One line for reports")
     problem: Literal["general"] = Field(description="Kind of problem")
     method: Method = Field(default="pfem", description="Numerical method")
-    body: Annotated[tuple[BodyTable, ...], BeforeValidator(_as_tuple)] = Field(
+    body: Annotated[tuple[BodyTable, ...], BeforeValidator(as_tuples)] = Field(
         min_length=1, description="Tables [[body]]: the deforming bodies, whose boundary parts differ in name"
     )
-    boundary: Annotated[tuple[BoundaryTable, ...], BeforeValidator(_as_tuple)] = Field(
+    boundary: Annotated[tuple[BoundaryTable, ...], BeforeValidator(as_tuples)] = Field(
         default=(), description="Tables [[boundary]]: conditions by part"
     )
     tool: RigidTool | None = Field(default=None, description="Table [tool]: a rigid tool")
@@ -272,7 +268,7 @@ class GeneralCase(Section):
     mesh: GeneralMesh = Field(description="Table [mesh]: particle spacing")
     time: GeneralTime = Field(description="Table [time]: time steps")
     solver: Solver = Field(default_factory=Solver, description="Table [solver]")
-    probe: Annotated[tuple[ProbeTable, ...], BeforeValidator(_as_tuple)] = Field(
+    probe: Annotated[tuple[ProbeTable, ...], BeforeValidator(as_tuples)] = Field(
         default=(), description="Tables [[probe]]: points to follow"
     )
     output: Output = Field(default_factory=Output, description="Table [output]")

@@ -9,19 +9,13 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from pfemcut.case.sections import Output, Section, name_or_table, planned
+from pfemcut.case.sections import Output, Section, as_tuples, name_or_table, planned
 
 CuttingMethod = Annotated[Literal["pfem", "tlsph", "esph"], planned("sph", "lattice", "peridynamics")]
 ParticleMethodName = Annotated[Literal["tlsph", "esph"], planned("lattice", "peridynamics")]
 
-
-def components(value: Any) -> Any:
-    """Lists as tuples: TOML has no tuples, and the schema guesses no types."""
-    return tuple(components(each) for each in value) if isinstance(value, list) else value
-
-
-Point = Annotated[tuple[float, float] | tuple[float, float, float], BeforeValidator(components)]
-Corners = Annotated[tuple[Point, Point], BeforeValidator(components)]
+Point = Annotated[tuple[float, float] | tuple[float, float, float], BeforeValidator(as_tuples)]
+Corners = Annotated[tuple[Point, Point], BeforeValidator(as_tuples)]
 
 
 class ExplicitParticles(Section):
@@ -84,7 +78,7 @@ class SolidsParticles(ExplicitParticles):
     """Spacing, kernel, viscosity and time steps of explicit particles."""
 
     spacing: float = Field(gt=0, description="Distance of particles at the start (mm)")
-    pinball: Annotated[tuple[float, float], BeforeValidator(components)] = Field(
+    pinball: Annotated[tuple[float, float], BeforeValidator(as_tuples)] = Field(
         default=(0.0, 1.0),
         description="Factors k1 and k2 of contact between bodies with tlsph (dimensionless); k1 = 0 leaves Hertz's law "
         "alone",
@@ -96,7 +90,7 @@ class Cylinder(Section):
 
     radius: float = Field(gt=0, description="Radius (mm)")
     length: float = Field(gt=0, description="Length (mm)")
-    base: Annotated[tuple[float, float, float], BeforeValidator(components)] = Field(
+    base: Annotated[tuple[float, float, float], BeforeValidator(as_tuples)] = Field(
         default=(0.0, 0.0, 0.0), description="Middle of the lower end (mm)"
     )
 
@@ -160,13 +154,13 @@ class SolidsCase(Section):
     title: str = Field(default="", description="One line for reports")
     problem: Literal["solids"] = Field(description="Kind of problem")
     method: ParticleMethodName = Field(default="tlsph", description="Numerical method")
-    body: Annotated[tuple[Solid, ...], BeforeValidator(components)] = Field(
+    body: Annotated[tuple[Solid, ...], BeforeValidator(as_tuples)] = Field(
         min_length=1, description="Tables [[body]]"
     )
-    hold: Annotated[tuple[Hold, ...], BeforeValidator(components)] = Field(
+    hold: Annotated[tuple[Hold, ...], BeforeValidator(as_tuples)] = Field(
         default=(), description="Tables [[hold]]"
     )
-    wall: Annotated[tuple[PlaneWall, ...], BeforeValidator(components)] = Field(
+    wall: Annotated[tuple[PlaneWall, ...], BeforeValidator(as_tuples)] = Field(
         default=(), description="Tables [[wall]]"
     )
     particles: SolidsParticles = Field(description="Table [particles]")

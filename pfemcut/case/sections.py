@@ -38,6 +38,11 @@ def name_or_table(value: Any) -> Any:
     return value
 
 
+def as_tuples(value: Any) -> Any:
+    """Lists as tuples, also within each other: TOML has no tuples, and the schema guesses no types."""
+    return tuple(as_tuples(each) for each in value) if isinstance(value, list) else value
+
+
 class Section(InputTable):
     """What all sections share."""
 

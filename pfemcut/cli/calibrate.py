@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from pfemcut.cli.options import CaseFile, Jobs, jobs_at_a_time
 from pfemcut.cli.speech import say
 
 
 def calibrate(
-    case_file: Annotated[Path, typer.Argument(metavar="CASE.toml", help="Case file.", show_default=False)],
+    case_file: CaseFile,
     measured: Annotated[
         Path,
         typer.Argument(
@@ -56,10 +56,7 @@ def calibrate(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="DIR", help="Folder of runs and report.")
     ] = None,
-    jobs: Annotated[
-        int | None,
-        typer.Option("-j", "--jobs", metavar="N", min=1, help="Runs at a time; all cores if left out."),
-    ] = None,
+    jobs: Jobs = None,
     overwrite: Annotated[
         bool, typer.Option("--overwrite", help="Run points whose case changed again from the start.")
     ] = False,
@@ -93,4 +90,4 @@ def calibrate(
         uncertainty=uncertainty,
         controls=Controls(difference, central, tolerance, steps),
     )
-    run_calibration(study, jobs or len(os.sched_getaffinity(0)), overwrite=overwrite, say=say)
+    run_calibration(study, jobs_at_a_time(jobs), overwrite=overwrite, say=say)

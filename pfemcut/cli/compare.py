@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from pfemcut.cli.options import names_in
 from pfemcut.cli.speech import say
 from pfemcut.inputs import InputError, nearest
 
@@ -58,7 +59,7 @@ def compare(
     sources = read_sources(paths)
     if len(sources) < 2:
         raise InputError(["give at least two folders or files to compare"])
-    wanted = [name.strip() for name in figures.split(",") if name.strip()]
+    wanted = names_in(figures)
     comparison = compared(sources, at, chosen_figures(sources, wanted, ALWAYS_SHOWN))
     if not comparison.rows:
         raise InputError(["there is no figure to compare"])

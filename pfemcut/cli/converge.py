@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import math
-import os
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from pfemcut.cli.options import CaseFile, Jobs, jobs_at_a_time, names_in
 from pfemcut.cli.speech import say
 from pfemcut.converge.refinement import What
 from pfemcut.inputs import InputError, nearest
 
 
 def converge(
-    case_file: Annotated[Path, typer.Argument(metavar="CASE.toml", help="Case file.", show_default=False)],
+    case_file: CaseFile,
     what: Annotated[
         What,
         typer.Option(
@@ -41,10 +41,7 @@ def converge(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="DIR", help="Folder of the levels' folders.")
     ] = None,
-    jobs: Annotated[
-        int | None,
-        typer.Option("-j", "--jobs", metavar="N", min=1, help="Runs at a time; all cores if left out."),
-    ] = None,
+    jobs: Jobs = None,
     overwrite: Annotated[
         bool, typer.Option("--overwrite", help="Run levels whose case changed again from the start.")
     ] = False,
@@ -67,7 +64,7 @@ def converge(
     from pfemcut.sweep.study_file import MAIN_FIGURES, settings_of
 
     known = {item.name for item in FIGURES}
-    wanted = [name.strip() for name in figures.split(",") if name.strip()] or list(MAIN_FIGURES)
+    wanted = names_in(figures) or list(MAIN_FIGURES)
     unknown = [name for name in wanted if name not in known]
     if unknown:
         raise InputError(f"--figures: unknown '{name}'{nearest(name, known)}" for name in unknown)
@@ -87,4 +84,4 @@ def converge(
     elif collect:
         conclude(study, outcomes_of(prepared(study.plan)), say)
     else:
-        run_study(study, jobs or len(os.sched_getaffinity(0)), overwrite=overwrite, say=say)
+        run_study(study, jobs_at_a_time(jobs), overwrite=overwrite, say=say)

@@ -21,6 +21,7 @@ from pfemcut.cli.compare import compare
 from pfemcut.cli.converge import converge
 from pfemcut.cli.examples import examples
 from pfemcut.cli.new import new
+from pfemcut.cli.options import CaseFile
 from pfemcut.cli.profiles import profiles
 from pfemcut.cli.report import report
 from pfemcut.cli.speech import complain, say
@@ -32,7 +33,6 @@ from pfemcut.materials.describe import described
 from pfemcut.materials.load import library_names, load_material
 from pfemcut.method import RunStopped
 
-CaseFile = Annotated[Path, typer.Argument(metavar="CASE.toml", help="Case file.", show_default=False)]
 Overrides = Annotated[
     list[str],
     typer.Option("--set", metavar="SECTION.KEY=VALUE", help="Override one value; repeat at will."),

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from pfemcut.cli.speech import say
-from pfemcut.cli.table import figure_text
+from pfemcut.cli.table import figure_in_column
 from pfemcut.inputs import InputError
 
 
@@ -47,7 +47,7 @@ def profiles(
         first, last = each.travel
         say(f"{each.profiles.instants} instants, travel {first:.4g} to {last:.4g} mm")
         for name, figure in profile_figures(each.profiles).items():
-            say(f"  {name:<24} {figure_text(figure)}")
+            say(f"  {name:<24} {figure_in_column(figure)}")
         for used in each.inputs.wear:
             say(f"wear constants: {used.name}; {used.checked or 'not said against what they were checked'}")
         say(f"{table}, {picture}")

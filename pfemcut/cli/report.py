@@ -25,7 +25,7 @@ def report(
     """Write the figures and the report of a run, also of one that is going on or was killed."""
     if not (directory / "history.csv").is_file():
         raise InputError([f"{directory}: no results here (history.csv is missing)"])
-    from pfemcut.driver import report_case
+    from pfemcut.conclusion import report_case
     from pfemcut.output.figures import FIELDS
     from pfemcut.output.scales import given_scales
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from pfemcut.cli.options import Jobs, jobs_at_a_time
 from pfemcut.cli.speech import say
 from pfemcut.cli.table import result_lines
 from pfemcut.inputs import InputError
@@ -36,10 +36,7 @@ def sweep(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="DIR", help="Folder of the variants' folders.")
     ] = None,
-    jobs: Annotated[
-        int | None,
-        typer.Option("-j", "--jobs", metavar="N", min=1, help="Runs at a time; all cores if left out."),
-    ] = None,
+    jobs: Jobs = None,
     overwrite: Annotated[
         bool, typer.Option("--overwrite", help="Run variants whose case changed again from the start.")
     ] = False,
@@ -80,4 +77,4 @@ def sweep(
         if not summary.finished:
             raise typer.Exit(1)
     else:
-        run.run_sweep(plan, jobs or len(os.sched_getaffinity(0)), overwrite=overwrite, say=say)
+        run.run_sweep(plan, jobs_at_a_time(jobs), overwrite=overwrite, say=say)

@@ -18,12 +18,12 @@ def result_lines(summary: Summary) -> list[str]:
         f"{summary.title}: {summary.ending}",
         f"{summary.steps} steps, {summary.travel:.4g} mm of travel, {summary.wall_time:.0f} s; "
         f"means over {begin:.3g} to {end:.3g} mm, {'steady' if summary.steady else 'not steady'}",
-        *(f"  {name:<24} {figure_text(figure)}" for name, figure in summary.figures.items()),
+        *(f"  {name:<24} {figure_in_column(figure)}" for name, figure in summary.figures.items()),
     ]
     return [*lines, *(f"warning: {text}" for text in summary.warnings)]
 
 
-def figure_text(figure: Mapping[str, float | str]) -> str:
+def figure_in_column(figure: Mapping[str, float | str]) -> str:
     """Return a figure of the summary as text in a column."""
     unit = "" if figure["unit"] in ("-", "1") else f" {figure['unit']}"
     value = float(figure["mean"] if "mean" in figure else figure["value"])

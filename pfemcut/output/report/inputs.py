@@ -19,12 +19,7 @@ from pfemcut.case.schema import Case
 from pfemcut.inputs import models_in
 from pfemcut.materials.load import MaterialTable
 from pfemcut.output.report.text import converted, shown, spoken
-
-UNITS = (
-    "mm", "mm/s", "s", "1/s", "K", "1/K", "MPa", "MPa/mm", "degrees", "tonne/mm³", "mm²/(s² K)", "N/(s K)",
-    "N/(mm s K)", "N/(mm s)", "dimensionless",
-)  # fmt: skip
-"""Units that descriptions in the schema name, in parentheses."""
+from pfemcut.units import unit_and_words
 
 NUMERICS = ("mesh", "time", "solver", "output")
 """Sections of which only what differs from the defaults is shown."""
@@ -112,23 +107,6 @@ def tables(inputs: str) -> tuple[tuple[InputTable, ...], tuple[MaterialInputs, .
         if rows:
             sections.append(InputTable(title, rows))
     return tuple(sections), tuple(_materials(table))
-
-
-def unit_and_words(description: str) -> tuple[str, str]:
-    """Split a description of the schema: the unit that it names in parentheses, and the rest without it."""
-    begin = description.find("(")
-    while begin >= 0:
-        depth, end = 1, begin + 1
-        while end < len(description) and depth:
-            depth += {"(": 1, ")": -1}.get(description[end], 0)
-            end += 1
-        unit, _, more = description[begin + 1 : end - 1].partition(";")
-        if unit.strip() in UNITS:
-            more = f" ({more.strip()})" if more.strip() else ""
-            rest = f"{description[:begin].rstrip()}{more}{description[end:]}"
-            return unit.strip(), rest
-        begin = description.find("(", begin + 1)
-    return "", description
 
 
 def _materials(table: Mapping[str, Any]) -> Iterator[MaterialInputs]:

@@ -1,0 +1,9 @@
+"""The problem of any method."""
+
+from __future__ import annotations
+
+from pfemcut.particles.problem import ParticleProblem
+from pfemcut.problem import Problem
+
+AnyProblem = Problem | ParticleProblem
+"""What the driver runs; it uses title, tool, cut and final time."""
