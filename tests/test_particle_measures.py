@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from pfemcut.particles.measures import bands, families, gridded, peaks_along, regularity
+from pfemcut.particles.measures import Regularity, bands, families, gridded, peaks_along, regularity
 
 Array = NDArray[np.float64]
 SPACING = 0.02
+SIZES: dict[int, tuple[float, ...]] = {2: (2.0, 1.0), 3: (0.4, 0.3, 0.3)}
 
 
 def lattice(size: tuple[float, ...] = (2.0, 1.0)) -> Array:
@@ -28,26 +29,50 @@ def stripes(points: Array, angles: tuple[float, ...], sigma: float, apart: float
     return field
 
 
-@pytest.mark.parametrize("size", [(1.0, 0.5), (0.4, 0.3, 0.2)])
-def test_a_lattice_is_regular(size: tuple[float, ...]) -> None:
-    found = regularity(lattice(size), SPACING)
+def measured(points: Array) -> Regularity:
+    """Of those that began three spacings or more away from all sides."""
+    start = lattice(SIZES[points.shape[1]])
+    inside = ((start > 3.0 * SPACING) & (start < np.array(SIZES[points.shape[1]]) - 3.0 * SPACING)).all(
+        axis=1
+    )
+    return regularity(points, SPACING, 1.5 * SPACING, inside)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_lattice_is_regular(dimension: int) -> None:
+    found = measured(lattice(SIZES[dimension]))
     assert found.mean == pytest.approx(1.0)
     assert found.variation == pytest.approx(0.0, abs=1e-12)
     assert (found.smallest, found.clustered) == (pytest.approx(1.0), 0.0)
+    assert found.unevenness < 1e-12
 
 
 def test_noise_and_clusters_are_measured() -> None:
     """Every tenth particle put a quarter of a spacing beside another one: a fifth of them are in clusters."""
     points = lattice()
     noise = np.random.default_rng(1).normal(0.0, 0.05 * SPACING, points.shape)
-    little, more = (regularity(points + factor * noise, SPACING).variation for factor in (1.0, 2.0))
-    assert 0.02 < little < 0.6 * more
-    points = points[::2] if len(points) % 10 else points
-    moved = points.copy()
-    moved[::10] = moved[1::10] - [0.0, 0.25 * SPACING]
-    found = regularity(moved, SPACING)
-    assert found.clustered == pytest.approx(0.2, abs=1e-12)
+    little, more = (measured(points + factor * noise) for factor in (1.0, 2.0))
+    assert 0.02 < little.variation < 0.6 * more.variation
+    assert 0.005 < little.unevenness < 0.6 * more.unevenness
+    points[::10] = points[1::10] - [0.0, 0.25 * SPACING]
+    found = measured(points)
+    assert found.clustered == pytest.approx(0.2, abs=0.03)
     assert found.smallest == pytest.approx(0.25)
+    assert found.unevenness > 0.05
+
+
+def test_even_deformation_is_no_unevenness() -> None:
+    """Stretched by 1.4 at constant area the lattice has nearer neighbours; sums of volumes know nothing of it."""
+    stretched = measured(lattice() * [1.4, 1.0 / 1.4])
+    assert stretched.mean == pytest.approx(1.0 / 1.4)
+    assert stretched.unevenness < 0.01
+
+
+def test_only_the_chosen_are_measured() -> None:
+    points = lattice()
+    points[0] = points[1]
+    others = np.arange(len(points)) > 1
+    assert regularity(points, SPACING, 1.5 * SPACING, others).clustered == 0.0
 
 
 @pytest.mark.parametrize("angle", [0.0, 30.0, 45.0, 110.0])

@@ -1,8 +1,10 @@
 """What particles show, in figures: how regular they lie, and the bands in which a field localises.
 
 **Regularity.** The distance to the nearest particle, over the spacing at the start: its coefficient of variation, and
-the share of particles with another one nearer than half a spacing, which have clustered. Plastic flow changes distances
-too, so both are to be compared between runs that deform alike.
+the share of particles with another one nearer than half a spacing, which have clustered. Plastic flow changes these too:
+a lattice that is stretched to twice its length has neighbours at half the distance. The sum of volumes times kernel,
+sum_j V_j W(x_j - x_i), does not see an even deformation: it is one inside of a body as long as particles lie evenly,
+larger in clusters and smaller beside them.
 
 **Bands** are ridges of a field of the plane: places where it falls to both sides. The field is put on a grid and
 smoothed by a Gaussian whose standard deviation is a spacing, so a band can't come out narrower than 2.4 spacings. At a
@@ -20,6 +22,9 @@ from scipy.interpolate import griddata
 from scipy.ndimage import gaussian_filter, map_coordinates, maximum_filter
 from scipy.signal import find_peaks
 from scipy.spatial import cKDTree
+
+from pfemcut.particles.cells import pairs_in_cells
+from pfemcut.particles.kernel import SUPPORT, normalisation, weights
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -46,12 +51,15 @@ class Regularity:
         The smallest.
     clustered
         Share of particles nearer than :data:`CLUSTERED` to another one.
+    unevenness
+        Standard deviation of the sum of volumes times kernel.
     """
 
     mean: float
     variation: float
     smallest: float
     clustered: float
+    unevenness: float
 
 
 @dataclass(frozen=True)
@@ -98,16 +106,36 @@ class Bands:
     points: Array
 
 
-def regularity(points: Array, spacing: float) -> Regularity:
-    """How regular ``points`` (n, d) lie that were ``spacing`` (mm) apart at the start."""
-    distance = cKDTree(points).query(points, k=2)[0][:, 1] / spacing
+def regularity(points: Array, spacing: float, smoothing_length: float, chosen: BoolArray) -> Regularity:
+    """How regular the ``chosen`` (n,) of ``points`` (n, d) lie, which should be 2 h away from surfaces.
+
+    All had the same volume, ``spacing`` to the power d, at the start, and have it still: metals change theirs little.
+
+    Parameters
+    ----------
+    spacing, smoothing_length
+        At the start, and h (mm).
+    """
+    distance = cKDTree(points).query(points[chosen], k=2)[0][:, 1] / spacing
     mean = float(distance.mean())
+    total = _volume_sums(points, spacing, smoothing_length)[chosen]
     return Regularity(
         mean,
         float(distance.std()) / mean if mean else 0.0,
         float(distance.min()),
         float(np.mean(distance < CLUSTERED)),
+        float(total.std()),
     )
+
+
+def _volume_sums(points: Array, spacing: float, smoothing_length: float) -> Array:
+    """Sum of V W at each of ``points``; shape (n,)."""
+    count, dimension = points.shape
+    offsets, indices = pairs_in_cells(points, SUPPORT * smoothing_length)
+    owners = np.repeat(np.arange(count), np.diff(offsets))
+    distance = np.sqrt(np.sum((points[indices] - points[owners]) ** 2, axis=1))
+    kernel = np.bincount(owners, weights(distance, smoothing_length, dimension), minlength=count)
+    return np.asarray(spacing**dimension * (normalisation(smoothing_length, dimension) + kernel))
 
 
 def gridded(points: Array, values: Array, spacing: float) -> Grid:
