@@ -1,7 +1,7 @@
 """What particles show, in figures: how regular they lie, and the bands in which a field localises.
 
 **Regularity.** The distance to the nearest particle, over the spacing at the start: its coefficient of variation, and
-the share of particles with another one nearer than half a spacing, which have clustered. Plastic flow changes these too:
+the share of particles with another one nearer than half a spacing, which have clustered. Plastic flow changes these:
 a lattice that is stretched to twice its length has neighbours at half the distance. The sum of volumes times kernel,
 sum_j V_j W(x_j - x_i), does not see an even deformation: it is one inside of a body as long as particles lie evenly,
 larger in clusters and smaller beside them.
