@@ -218,7 +218,7 @@ def _draw(method: str, name: str, cloud: Cloud, path: Path) -> None:
     fields = {"equivalent_plastic_strain": "plastic strain", "temperature": "temperature (K)"}
     low, high = cloud.points[:, 0].max() - 2.2, cloud.points[:, 0].max()
     figure, axes = plt.subplots(1, 2, figsize=(12.0, 6.0), layout="constrained")
-    size = (72.0 * 5.0 * cloud.problem.smoothing.spacing / 2.2) ** 2
+    size = (72.0 * 5.8 * cloud.problem.smoothing.spacing / 2.2) ** 2
     for at, (field, label) in zip(axes, fields.items(), strict=True):
         values = cloud.fields[field]
         limit = float(np.quantile(values[values > values.min()], 0.98))
