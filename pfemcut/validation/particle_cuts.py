@@ -5,7 +5,7 @@ feed. All figures but the force are of the last frame:
 
 - cutting force: power of the tool over its speed, mean and deviation over the second half of the time (N/mm);
 - chip thickness: median distance of the particles of the former surface, where they are lifted by half a feed or more,
-  to those that began in the two rows above the tool's edge;
+  to the second row above the tool's edge (the first is torn), plus the two spacings from these rows to the sides;
 - shear band: the ridge of the strain rate, see :mod:`pfemcut.particles.measures`; its angle is taken from the cutting
   direction;
 - segments: peaks of plastic strain along the middle of the chip, over where particles began, that stand out by a tenth
@@ -106,10 +106,11 @@ def chip_of(cloud: Cloud, edge: float) -> Chip:
     chip = (y > edge) & (lifted > 0.05 * feed)
     inside = chip & (y > edge + reach) & (y < top - reach) & (x < far - reach)
     surface = chip & (y > top - spacing) & (lifted > 0.5 * feed)
-    rake_side = chip & (y < edge + 2.0 * spacing)
+    rake_side = chip & (y > edge + spacing) & (y < edge + 2.0 * spacing)
     thickness = np.nan
     if surface.any() and rake_side.any():
-        thickness = float(np.median(cKDTree(cloud.points[rake_side]).query(cloud.points[surface])[0]))
+        distance, _ = cKDTree(cloud.points[rake_side]).query(cloud.points[surface])
+        thickness = float(np.median(distance)) + 2.0 * spacing
     rate = cloud.fields["equivalent_plastic_strain_rate"]
     # A few particles at the tool's edge flow many times faster than the band.
     grid = gridded(cloud.points, np.minimum(rate, np.quantile(rate[chip], 0.99)), spacing)

@@ -201,7 +201,7 @@ def _draw_bar(method: str, name: str, cloud: Cloud, path: Path) -> None:
         values = cloud.fields[field][section]
         x, z = cloud.points[section, 0], cloud.points[section, 2]
         drawn = at.scatter(
-            z, x, c=values, s=(72.0 * spacing * 0.22) ** 2, marker="s", linewidths=0.0, cmap="turbo"
+            z, x, c=values, s=(72.0 * spacing * 0.24) ** 2, marker="s", linewidths=0.0, cmap="turbo"
         )
         figure.colorbar(drawn, ax=at, label=label, shrink=0.8)
         at.set(aspect="equal", xlabel="z (mm)", ylabel="x (mm)")
