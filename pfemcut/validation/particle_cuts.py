@@ -217,9 +217,9 @@ def _row(outcome: Outcome, cloud: Cloud) -> list[str | float]:
 def _draw(method: str, name: str, cloud: Cloud, path: Path) -> None:
     """Particles by plastic strain and by temperature, near the chip."""
     fields = {"equivalent_plastic_strain": "plastic strain", "temperature": "temperature (K)"}
-    low, high = cloud.points[:, 0].max() - 2.2, cloud.points[:, 0].max()
+    low, high = cloud.others[:, 0].min() - 1.2, cloud.others[:, 0].min() + 0.6
     figure, axes = plt.subplots(1, 2, figsize=(12.0, 6.0), layout="constrained")
-    size = (72.0 * 5.8 * cloud.problem.smoothing.spacing / 2.2) ** 2
+    size = (72.0 * 5.8 * cloud.problem.smoothing.spacing / 1.8) ** 2
     for at, (field, label) in zip(axes, fields.items(), strict=True):
         values = cloud.fields[field]
         limit = float(np.quantile(values[values > values.min()], 0.98))
