@@ -36,19 +36,22 @@ BoolArray = NDArray[np.bool_]
 
 MELTING = 1573.0
 """K; printed in Table 3 of Islam et al. 2019."""
+COURANT = "particles.courant=0.5"
+"""Of all runs but two, which have the case's 0.3: it saves time."""
 FEEDS = (0.3, 0.5)
 REDUCED, FULL = 0.02, 0.01
 
 
 def cuts(folder: Path, method: str) -> Study:
     """The study of the demo in ``folder``, whose case has this ``method``."""
-    variants = [_variant(feed, REDUCED) for feed in FEEDS]
     if method == "esph":
+        variants = [_variant(feed, REDUCED, "", COURANT) for feed in FEEDS]
         variants.append(_variant(0.3, REDUCED, "gamma_0", "particles.artificial_pressure=0.0"))
     else:
         literature = "body.0.material.hardening.melting_temperature=1793.0"
-        variants.append(_variant(0.3, REDUCED, "melting_1793", literature))
-        variants += [_variant(feed, FULL) for feed in FEEDS]
+        variants = [_variant(0.3, REDUCED), _variant(0.5, REDUCED, "", COURANT)]
+        variants.append(_variant(0.3, REDUCED, "melting_1793", COURANT, literature))
+        variants += [_variant(feed, FULL, "", COURANT) for feed in FEEDS]
     return Study(
         "cuts", folder, tuple(variants), partial(_conclude, method), None, folder / "case.toml", partial=True
     )

@@ -28,6 +28,7 @@ BoolArray = NDArray[np.bool_]
 
 MELTING = 1573.0
 """K; printed in Table 3 of Islam et al. 2019."""
+COURANT = "particles.courant=0.5"
 SPACINGS = (0.02, 0.0133, 0.01, 0.00667)
 
 
@@ -35,7 +36,8 @@ def pressings(folder: Path, method: str) -> Study:
     """The study of the demo in ``folder``, whose case has this ``method``."""
     melting = f"body.0.material.hardening.melting_temperature={MELTING}"
     variants = tuple(
-        Variant(f"spacing_{spacing:g}", (f"particles.spacing={spacing}", melting)) for spacing in SPACINGS
+        Variant(f"spacing_{spacing:g}", (f"particles.spacing={spacing}", COURANT, melting))
+        for spacing in SPACINGS
     )
     return Study(
         "bands", folder, variants, partial(_conclude, method), None, folder / "case.toml", partial=True
