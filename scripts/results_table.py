@@ -69,8 +69,11 @@ def note(name: str, content: Mapping[str, Any]) -> str:
     """One line on how a run went."""
     checks = ", ".join(f"{key.replace('_', ' ')} {value:.1g}" for key, value in content["checks"].items())
     commits = ", ".join(dict.fromkeys(session["commit"] for session in content["sessions"])) or "not noted"
+    minutes = f"{content['wall_time'] / 60.0:.0f} min"
+    if content["travel"] == 0.0:
+        return f"- `{name}`: {minutes}; {checks}; commit {commits}."
     return (
-        f"- `{name}`: {content['travel']:.3g} mm in {content['steps']} steps and {content['wall_time'] / 60.0:.0f} min "
+        f"- `{name}`: {content['travel']:.3g} mm in {content['steps']} steps and {minutes} "
         f"({'steady' if content['steady'] else 'not steady'}); {checks}; commit {commits}."
     )
 

@@ -202,6 +202,18 @@ def read_frame(directory: Path, entries: Sequence[Entry]) -> Frame:
     return Frame(step, time, travel, points, cells, loops, point_fields, cell_fields, tool, contact, blocks)
 
 
+def body_points(directory: Path, entry: Entry) -> tuple[Array, dict[str, NDArray[np.generic]]]:
+    """Points of a body's file with all three coordinates (mm; (n, 3)), and the fields on them.
+
+    Raises
+    ------
+    FieldsError
+        If the file is damaged.
+    """
+    body = _read(directory / entry.file)
+    return np.asarray(body.points, dtype=np.float64), dict(body.point_data)
+
+
 def _blocks(tool: meshio.Mesh) -> tuple[Block, ...]:
     triangles = tool.cells_dict.get("triangle")
     if triangles is None:

@@ -54,15 +54,15 @@ class Reference:
 
 
 def reference_of(
-    points: Array, volume: Array, body: IntArray, smoothing_length: float, corrected: bool
+    points: Array, volume: Array, group: IntArray, smoothing_length: float, corrected: bool
 ) -> Reference:
-    """The reference configuration at ``points`` (n, d) with ``volume`` and number of the ``body`` (n,).
+    """The reference configuration at ``points`` (n, d) with ``volume`` (n,) and ``group`` (n,).
 
-    Particles of different bodies are no neighbours. ``smoothing_length`` in mm.
+    Particles of different groups are no neighbours. ``smoothing_length`` in mm.
     """
     dimension = points.shape[1]
     # Pairs just as far apart as the support reaches, of which lattices have many, add nothing.
-    neighbours = neighbours_within(points, (1.0 - 1e-9) * SUPPORT * smoothing_length, body)
+    neighbours = neighbours_within(points, (1.0 - 1e-9) * SUPPORT * smoothing_length, group)
     apart = points[neighbours.indices] - points[neighbours.owners]
     distance = np.sqrt(np.einsum("ka,ka->k", apart, apart))
     weight = -slopes(distance, smoothing_length, dimension) / distance

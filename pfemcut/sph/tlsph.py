@@ -58,6 +58,11 @@ class TotalLagrangian:
         self._shear = problem.by_body([body.material.shear_modulus for body in problem.bodies])
         self._near = NeighbourList(problem.smoothing.spacing)
         self._materials = [body.material for body in problem.bodies]
+        # Nothing happens between the particles of a rigid body, so each is its own group and has no neighbours.
+        rigid = np.repeat(
+            [bool(body.held.all()) for body in problem.bodies], np.bincount(problem.body_number)
+        )
+        self._group = np.where(rigid, -1 - np.arange(len(rigid)), problem.body_number)
 
     @property
     def problem(self) -> ParticleProblem:
@@ -199,7 +204,7 @@ class TotalLagrangian:
         return reference_of(
             points,
             problem.volume * ratio,
-            problem.body_number,
+            self._group,
             problem.smoothing.smoothing_length,
             problem.smoothing.corrected,
         )

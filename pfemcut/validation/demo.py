@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from pfemcut.case.load import load_case
+from pfemcut.case.particles import SolidsCase
 from pfemcut.case.schema import Case
 from pfemcut.method import Frame
 from pfemcut.output.directory import FIGURES, INPUTS, SUMMARY
@@ -19,6 +20,7 @@ from pfemcut.output.vtu import read_collection, read_last_frame, write_collectio
 from pfemcut.ranks import Ranks
 from pfemcut.results.derived.free_surface import FREE_SURFACE_TEMPERATURE, free_surface_temperature
 from pfemcut.results.published import (
+    ALWAYS_SHOWN,
     Row,
     compare,
     comparison_json,
@@ -31,6 +33,7 @@ from pfemcut.validation.recorded_run import read_history, read_summary, recorded
 from pfemcut.validation.small_files import copy_picture, write_thinned
 from pfemcut.whole_files import write_json
 
+OF_CUTS = frozenset(ALWAYS_SHOWN) - {"max_temperature"}
 CHECKED = ("energy_error", "heat_error", "area_drift", "mass_drift")
 
 
@@ -74,6 +77,9 @@ def figures_of(output: Path, case_file: Path) -> dict[str, Any]:
     """Content of ``summary.json``, and the figures that only a comparison asks for."""
     summary = read_summary(output)
     case, _ = load_case(case_file)
+    if isinstance(case, SolidsCase):
+        # No cut, so no figures of one.
+        return {name: value for name, value in summary.items() if name not in OF_CUTS}
     if not isinstance(case, Case):
         return summary
     begin, end = (travel / case.cutting.speed for travel in summary["window"])

@@ -7,7 +7,7 @@ the nominal diameter times the stretch of the outermost particle's radius, which
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from pfemcut.case.load import load_case
 from pfemcut.case.particles import Cylinder, SolidsCase
 from pfemcut.output.directory import INPUTS
-from pfemcut.output.vtu import read_last_frame
-from pfemcut.particles.lattice import cylinder_lattice
+from pfemcut.particles.measures import Regularity, regularity
+from pfemcut.validation.clouds import Cloud, last_cloud
 from pfemcut.validation.small_files import copy_picture
 from pfemcut.validation.study import Outcome, Study, Variant, finite_figures, write_table
 
@@ -49,6 +49,7 @@ _HEADER = (
     "diameter_stretched",
     "max_eqps",
     "max_temperature",
+    "unevenness",
     "energy_error",
     "wall_time",
 )
@@ -109,34 +110,32 @@ def _variant(spacing: float, corrected: bool, changes: tuple[str, ...]) -> Varia
 
 
 def _conclude(method: str, outcomes: Sequence[Outcome], results: Path) -> tuple[dict[str, Any], bool]:
-    rows = [_row(outcome) for outcome in outcomes]
+    clouds = [last_cloud(outcome.directory) for outcome in outcomes]
+    rows = [_row(outcome, cloud) for outcome, cloud in zip(outcomes, clouds, strict=True)]
     write_table(results / "ladder.csv", f"Taylor bar, {method}", _HEADER, rows)
     _draw_ladder(method, rows, results / "ladder.png")
-    finest = max(outcomes, key=lambda outcome: ("plain" not in outcome.variant.name, _particles(outcome)))
-    _draw_bar(method, finest, results / "bar.png")
+    names = [outcome.variant.name for outcome in outcomes]
+    finest = max(range(len(names)), key=lambda k: ("plain" not in names[k], len(clouds[k].points)))
+    _draw_bar(method, names[finest], clouds[finest], results / "bar.png")
     content = {
         "bars": finite_figures(_HEADER, rows),
         "published": {
             name: {"final_length": length, "mushroom_diameter": diameter}
             for name, (length, diameter) in {**REFERENCES, "paper": PAPER[method]}.items()
         },
-        "picture": finest.variant.name,
+        "picture": names[finest],
     }
     return content, all(outcome.summary["finished"] for outcome in outcomes)
 
 
-def _particles(outcome: Outcome) -> float:
-    return float(outcome.history["nodes"][-1])
-
-
-def _row(outcome: Outcome) -> list[str | float]:
+def _row(outcome: Outcome, cloud: Cloud) -> list[str | float]:
     case, material = load_case(outcome.directory / INPUTS)
     assert isinstance(case, SolidsCase)
-    shape, spacing = case.body[0].cylinder, case.particles.spacing
+    shape = case.body[0].cylinder
     assert isinstance(shape, Cylinder)
-    start, _ = cylinder_lattice(shape.radius, shape.length, spacing)
-    bar = measured(start, read_last_frame(outcome.directory).points, shape.radius, spacing)
-    last: Mapping[str, float] = {name: float(column[-1]) for name, column in outcome.history.items()}
+    spacing = case.particles.spacing
+    bar = measured(cloud.start, cloud.points, shape.radius, spacing)
+    last = {name: float(column[-1]) for name, column in outcome.history.items()}
     return [
         outcome.variant.name,
         spacing,
@@ -151,9 +150,19 @@ def _row(outcome: Outcome) -> list[str | float]:
         bar.diameter_stretched,
         last["max_eqps"],
         last["max_temperature"],
+        regularity_inside(cloud, shape).unevenness,
         last["energy_error"],
         float(outcome.summary["wall_time"]["value"]),
     ]
+
+
+def regularity_inside(cloud: Cloud, shape: Cylinder) -> Regularity:
+    """How regular the particles lie that began 2 h or more inside of the lower fifth of the bar, its mushroom."""
+    controls = cloud.problem.smoothing
+    reach = 2.0 * controls.smoothing_length
+    inside = np.hypot(cloud.start[:, 0], cloud.start[:, 1]) < shape.radius - reach
+    inside &= (cloud.start[:, 2] > reach) & (cloud.start[:, 2] < 0.2 * shape.length)
+    return regularity(cloud.points, controls.spacing, controls.smoothing_length, inside)
 
 
 def _draw_ladder(method: str, rows: Sequence[Sequence[str | float]], path: Path) -> None:
@@ -182,23 +191,22 @@ def _draw_ladder(method: str, rows: Sequence[Sequence[str | float]], path: Path)
     plt.close(figure)
 
 
-def _draw_bar(method: str, outcome: Outcome, path: Path) -> None:
-    """The particles nearest the plane y = 0, coloured by plastic strain and by temperature."""
-    frame = read_last_frame(outcome.directory)
-    case, _ = load_case(outcome.directory / INPUTS)
-    assert isinstance(case, SolidsCase)
-    spacing = case.particles.spacing
-    section = np.abs(frame.points[:, 1]) < 0.6 * spacing
+def _draw_bar(method: str, name: str, cloud: Cloud, path: Path) -> None:
+    """The particles that began nearest the plane y = 0, coloured by plastic strain and by temperature."""
+    spacing = cloud.problem.smoothing.spacing
+    section = np.abs(cloud.start[:, 1] - 0.5 * spacing) < 0.1 * spacing
     fields = {"equivalent_plastic_strain": "plastic strain", "temperature": "temperature (K)"}
     figure, axes = plt.subplots(2, 1, figsize=(9.0, 5.4), layout="constrained")
-    for at, (name, label) in zip(axes, fields.items(), strict=True):
-        values = frame.point_fields[name][section]
-        x, z = frame.points[section, 0], frame.points[section, 2]
-        drawn = at.scatter(z, x, c=values, s=(72.0 * spacing * 0.19) ** 2, marker="s", linewidths=0.0)
+    for at, (field, label) in zip(axes, fields.items(), strict=True):
+        values = cloud.fields[field][section]
+        x, z = cloud.points[section, 0], cloud.points[section, 2]
+        drawn = at.scatter(
+            z, x, c=values, s=(72.0 * spacing * 0.24) ** 2, marker="s", linewidths=0.0, cmap="turbo"
+        )
         figure.colorbar(drawn, ax=at, label=label, shrink=0.8)
         at.set(aspect="equal", xlabel="z (mm)", ylabel="x (mm)")
-    kind = "plain" if "plain" in outcome.variant.name else "corrected"
-    figure.suptitle(f"{method.upper()}, spacing {spacing:g} mm, {kind} gradients, {frame.time * 1e6:.0f} µs")
+    kind = "plain" if "plain" in name else "corrected"
+    figure.suptitle(f"{method.upper()}, spacing {spacing:g} mm, {kind} gradients, {cloud.time * 1e6:.0f} µs")
     figure.savefig(path, dpi=90)
     plt.close(figure)
     copy_picture(path, path)

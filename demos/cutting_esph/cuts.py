@@ -1,0 +1,16 @@
+"""Cuts at feeds of 0.3 and 0.5 mm with Eulerian SPH: forces, chip, bands, segments and the particles' disorder.
+
+    python demos/cutting_esph/cuts.py [-o DIR] [--resume | --overwrite] [--only NAME] [--conclude]
+
+Spacing 0.02 mm for both feeds; one run is without artificial pressure.
+The melting temperature is the one that the paper prints, 1573 K.
+Concludes from the runs that are finished: results/cuts.csv, cuts.json and pictures.
+"""
+
+from pathlib import Path
+
+from pfemcut.validation.particle_cuts import cuts
+from pfemcut.validation.study import main
+
+if __name__ == "__main__":
+    main(cuts(Path(__file__).resolve().parent, "esph"))
