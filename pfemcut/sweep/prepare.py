@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from pfemcut.case.check import warnings
-from pfemcut.case.load import AnyCase, CaseError, directed, replaced, resolved_toml, validated
+from pfemcut.case.lamina_schema import LaminaCase
+from pfemcut.case.load import AnyCase, AnyMaterial, CaseError, directed, replaced, resolved_toml, validated
 from pfemcut.case.schema import Case
 from pfemcut.case.translate import problem_of
 from pfemcut.inputs import InputError, UserError, read_toml
-from pfemcut.materials.material import Material
 from pfemcut.output.directory import INPUTS, OutputError
 from pfemcut.results.checkpoint import NAME, PREVIOUS, changed_keys
 from pfemcut.sweep.plan import Plan, Values, Variant
@@ -50,7 +50,7 @@ class Prepared:
 
     variant: Variant
     case: AnyCase
-    material: Material
+    material: AnyMaterial
     base_directory: Path
     directory: Path
     parameters: Values
@@ -65,6 +65,8 @@ class Prepared:
         """Time (s) at which the run ends."""
         if isinstance(self.case, Case):
             return self.case.cutting.travel / self.case.cutting.speed
+        if isinstance(self.case, LaminaCase):
+            return self.case.pull.elongation / self.case.pull.speed
         return self.case.time.end
 
 
