@@ -48,14 +48,22 @@ def damage(bonds: Bonds, broken: BoolArray) -> Damage:
     return Damage(fraction(np.ones(len(broken), dtype=bool)), fraction(bonds.fibre), fraction(~bonds.fibre))
 
 
-def parts(bonds: Bonds, broken: BoolArray) -> int:
-    """Number of parts that unbroken bonds hold together, of at least ``SMALLEST_PART`` of the sites."""
+def parts(bonds: Bonds, broken: BoolArray, inside: BoolArray) -> int:
+    """Number of parts that unbroken bonds hold together, of at least ``SMALLEST_PART`` of the sites.
+
+    Parameters
+    ----------
+    bonds, broken
+        All bonds, and which entries are broken; shape (k,).
+    inside
+        Whether a site counts; those in the grips do not, since a grip holds all parts; shape (n,).
+    """
     count = len(bonds.neighbours.offsets) - 1
-    whole = bonds.once & ~broken
+    whole = bonds.once & ~broken & inside[bonds.owners] & inside[bonds.neighbours.indices]
     ends = (bonds.owners[whole], bonds.neighbours.indices[whole])
     graph = coo_matrix((np.ones(int(whole.sum()), dtype=np.int8), ends), shape=(count, count))
     _, labels = connected_components(graph, directed=False)
-    return int((np.bincount(labels) >= SMALLEST_PART * count).sum())
+    return int((np.bincount(labels[inside]) >= SMALLEST_PART * inside.sum()).sum())
 
 
 @dataclass(frozen=True)

@@ -57,6 +57,7 @@ def advance(problem: LaminaProblem, state: State) -> State:
         u,
         v,
         force,
+        alive(state),
         broken_at,
         np.zeros(len(broken_at), dtype=np.uint8),
         energy,
@@ -95,9 +96,15 @@ def _totals(problem: LaminaProblem, before: State, after: State, load: float, wo
 
 
 def compiled_bonds(problem: LaminaProblem) -> tuple[NDArray[np.generic], ...]:
-    """The bonds as the kernels take them."""
+    """The bonds as the kernels take them; short integers, since memory is what the kernels wait for."""
     rows, bonds = problem.bonds.neighbours, problem.bonds
-    return rows.offsets, rows.indices, rows.reverse, bonds.family, bonds.direction
+    short = (each.astype(np.int32) for each in (rows.offsets, rows.indices, rows.reverse))
+    return (*short, bonds.family, problem.spacing * bonds.direction)
+
+
+def alive(state: State) -> NDArray[np.uint8]:
+    """1 for entries of whole bonds, else 0; shape (k,)."""
+    return np.isinf(state.broken_at).astype(np.uint8)
 
 
 def family_stiffness(problem: LaminaProblem) -> Array:
@@ -133,7 +140,7 @@ def elastic_energy(problem: LaminaProblem, state: State) -> float:
     """Energy in the whole bonds (mJ)."""
     return float(
         stored_energy(
-            compiled_bonds(problem), family_stiffness(problem), problem.spacing, state.displacement, state.broken_at
+            compiled_bonds(problem), family_stiffness(problem), problem.spacing, state.displacement, alive(state)
         ).sum()
     )  # fmt: skip
 

@@ -17,7 +17,7 @@ STRETCH, MIXED_MODE = 0, 1
 
 @njit(parallel=True, cache=True)
 def run_steps(  # type: ignore[no-untyped-def]
-    steps, dt, time, bonds, material, motion, u, v, force, broken_at, doomed, energy
+    steps, dt, time, bonds, material, motion, u, v, force, alive, broken_at, doomed, energy
 ):
     """Advance ``steps`` steps of ``dt`` (s) from ``time`` (s); arrays are changed in place.
 
@@ -29,7 +29,7 @@ def run_steps(  # type: ignore[no-untyped-def]
     steps, dt, time
         See above.
     bonds
-        Offsets (n + 1,), indices, reverse and family (k,) of the entries, unit vectors of the families (6, 2).
+        Offsets (n + 1,), indices, reverse and family (k,) of the entries, vectors xi of the families (mm; (6, 2)).
     material
         Stiffness of the families (N/mm; (6,)), spacing R (mm), limits of failure (see :func:`_site_force`), mass of a
         site (tonne), and the dashpots' time constant (s).
@@ -37,8 +37,8 @@ def run_steps(  # type: ignore[no-untyped-def]
         1 for free components (n, 2), sites of the left and of the right grip, and the grips' velocities (mm/s; (2, 2)).
     u, v, force
         Displacements (mm), velocities (mm/s) and forces (N); shape (n, 2).
-    broken_at
-        Time at which entries broke (s), infinite while whole; shape (k,).
+    alive, broken_at
+        Whether entries are whole, and the time at which they broke (s), infinite while whole; shape (k,).
     doomed
         Entries that have failed; shape (k,).
     energy
@@ -48,7 +48,7 @@ def run_steps(  # type: ignore[no-untyped-def]
     -------
     Mean force of the bonds on the sites of each grip (N), shape (2, 2); work of the grips (mJ).
     """
-    offsets, indices, reverse, family, direction = bonds
+    offsets, indices, reverse, family, vector = bonds
     stiffness, spacing, limits, mass, damping = material
     free, left, right, grip_velocity = motion
     before, felt, mean = np.zeros((2, 2)), np.zeros((2, 2)), np.zeros((2, 2))
@@ -65,14 +65,14 @@ def run_steps(  # type: ignore[no-untyped-def]
         hits = 0
         for i in prange(len(u)):
             hits += _site_force(
-                i, offsets, indices, family, direction, stiffness, spacing, limits, damping, dt,
-                u, v, broken_at, force, doomed, energy,
+                i, offsets, indices, family, vector, stiffness, spacing, limits, damping, dt,
+                u, v, alive, force, doomed, energy,
             )  # fmt: skip
         if hits > 0:
             for i in prange(len(u)):
                 _break_site(
-                    i, offsets, indices, reverse, family, direction, stiffness, spacing, damping, dt, time,
-                    u, v, broken_at, force, doomed, energy,
+                    i, offsets, indices, reverse, family, vector, stiffness, spacing, damping, dt, time,
+                    u, v, alive, broken_at, force, doomed, energy,
                 )  # fmt: skip
         _reactions(left, right, force, felt)
         for side in range(2):
@@ -90,8 +90,8 @@ def run_steps(  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _site_force(  # type: ignore[no-untyped-def]
-    i, offsets, indices, family, direction, stiffness, spacing, limits, damping, dt,
-    u, v, broken_at, force, doomed, energy,
+    i, offsets, indices, family, vector, stiffness, spacing, limits, damping, dt,
+    u, v, alive, force, doomed, energy,
 ):  # fmt: skip
     """Force on site ``i``, and whether (1 or 0) one of its bonds fails.
 
@@ -114,15 +114,16 @@ def _site_force(  # type: ignore[no-untyped-def]
     criterion, opening, shear, growth_opening, growth_shear, fibre = limits
     fx = fy = 0.0
     hit = 0
+    per_spacing = 1.0 / spacing
     # Entries and stretches of the two bonds to each side of the fibre; -1 where there is none.
     right_up = left_up = left_down = right_down = -1
     s_right_up = s_left_up = s_left_down = s_right_down = 0.0
     for e in range(offsets[i], offsets[i + 1]):
-        if broken_at[e] < np.inf:
+        if not alive[e]:
             continue
         f, j = family[e], indices[e]
-        dx = spacing * direction[f, 0] + u[j, 0] - u[i, 0]
-        dy = spacing * direction[f, 1] + u[j, 1] - u[i, 1]
+        dx = vector[f, 0] + u[j, 0] - u[i, 0]
+        dy = vector[f, 1] + u[j, 1] - u[i, 1]
         length = np.sqrt(dx * dx + dy * dy)
         pull = stiffness[f] * (length - spacing) / length
         if damping > 0.0:
@@ -131,7 +132,7 @@ def _site_force(  # type: ignore[no-untyped-def]
             energy[i, 1] += 0.5 * stiffness[f] * damping * rate * rate * dt
         fx += pull * dx
         fy += pull * dy
-        s = (length - spacing) / spacing
+        s = (length - spacing) * per_spacing
         if f == 1:
             right_up, s_right_up = e, s
         elif f == 2:
@@ -151,7 +152,7 @@ def _site_force(  # type: ignore[no-untyped-def]
         ):
             if _pair_fails(one, s_one, other, s_other, growth_opening, growth_shear) and (
                 _pair_fails(one, s_one, other, s_other, opening, shear)
-                or _at_crack(i, up, offsets, indices, family, broken_at)
+                or _at_crack(i, up, offsets, indices, family, alive)
             ):
                 hit = 1
                 _doom(doomed, one, other)
@@ -177,15 +178,15 @@ def _pair_fails(one, s_one, other, s_other, opening, shear):  # type: ignore[no-
 
 
 @njit(cache=True)
-def _at_crack(i, up, offsets, indices, family, broken_at):  # type: ignore[no-untyped-def]
+def _at_crack(i, up, offsets, indices, family, alive):  # type: ignore[no-untyped-def]
     """Whether a bond of site ``i`` or of its neighbours along the fibre is broken on a side, ``up`` or down."""
     for e in range(offsets[i], offsets[i + 1]):
         if family[e] % 3 == 0:
             j = indices[e]
             for q in range(offsets[j], offsets[j + 1]):
-                if broken_at[q] < np.inf and family[q] % 3 != 0 and (family[q] < 3) == up:
+                if not alive[q] and family[q] % 3 != 0 and (family[q] < 3) == up:
                     return True
-        elif broken_at[e] < np.inf and (family[e] < 3) == up:
+        elif not alive[e] and (family[e] < 3) == up:
             return True
     return False
 
@@ -200,16 +201,17 @@ def _doom(doomed, one, other):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _break_site(  # type: ignore[no-untyped-def]
-    i, offsets, indices, reverse, family, direction, stiffness, spacing, damping, dt, time,
-    u, v, broken_at, force, doomed, energy,
+    i, offsets, indices, reverse, family, vector, stiffness, spacing, damping, dt, time,
+    u, v, alive, broken_at, force, doomed, energy,
 ):  # fmt: skip
     """Break the bonds of site ``i`` that failed as seen from either end; their forces go, and half their energy."""
     for e in range(offsets[i], offsets[i + 1]):
-        if broken_at[e] == np.inf and (doomed[e] or doomed[reverse[e]]):
+        if alive[e] and (doomed[e] or doomed[reverse[e]]):
+            alive[e] = 0
             broken_at[e] = time
             f, j = family[e], indices[e]
-            dx = spacing * direction[f, 0] + u[j, 0] - u[i, 0]
-            dy = spacing * direction[f, 1] + u[j, 1] - u[i, 1]
+            dx = vector[f, 0] + u[j, 0] - u[i, 0]
+            dy = vector[f, 1] + u[j, 1] - u[i, 1]
             length = np.sqrt(dx * dx + dy * dy)
             pull = stiffness[f] * (length - spacing) / length
             if damping > 0.0:
@@ -234,17 +236,17 @@ def _reactions(left, right, force, out):  # type: ignore[no-untyped-def]
 
 
 @njit(parallel=True, cache=True)
-def stored_energy(bonds, stiffness, spacing, u, broken_at):  # type: ignore[no-untyped-def]
+def stored_energy(bonds, stiffness, spacing, u, alive):  # type: ignore[no-untyped-def]
     """Half the energy of each of a site's whole bonds (mJ); shape (n,). Parameters as of :func:`run_steps`."""
-    offsets, indices, _, family, direction = bonds
+    offsets, indices, _, family, vector = bonds
     energy = np.zeros(len(u))
     for i in prange(len(u)):
         total = 0.0
         for e in range(offsets[i], offsets[i + 1]):
-            if broken_at[e] == np.inf:
+            if alive[e]:
                 f, j = family[e], indices[e]
-                dx = spacing * direction[f, 0] + u[j, 0] - u[i, 0]
-                dy = spacing * direction[f, 1] + u[j, 1] - u[i, 1]
+                dx = vector[f, 0] + u[j, 0] - u[i, 0]
+                dy = vector[f, 1] + u[j, 1] - u[i, 1]
                 total += 0.25 * stiffness[f] * (np.sqrt(dx * dx + dy * dy) - spacing) ** 2
         energy[i] = total
     return energy

@@ -83,8 +83,8 @@ def critical_stretch(
     lamina, stiffness, thickness, spacing
         Constants (MPa, N/mm), t and R (mm).
     release
-        Energy that the lattice releases when a pair at a crack's tip breaks, over the energy of the pair, in opening and
-        in shear (:func:`pfemcut.peridynamics.crack_tip.tip_release`): at a tip Griffith's balance is with that.
+        Energy that the lattice releases when a pair at a crack's tip breaks, over the energy of the pair, in opening
+        and in shear (:func:`pfemcut.peridynamics.crack_tip.tip_release`): at a tip Griffith's balance is with that.
     """
 
     def along(energy: float) -> float:
