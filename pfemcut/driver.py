@@ -43,8 +43,7 @@ from pfemcut.results.derived.tool_profiles import tool_loads
 from pfemcut.results.summary import Summary, write_summary
 
 if TYPE_CHECKING:
-    from pfemcut.case.load import AnyCase
-    from pfemcut.materials.material import Material
+    from pfemcut.case.load import AnyCase, AnyMaterial
 
 
 class RunInterrupted(RunStopped):
@@ -93,7 +92,7 @@ class MethodFactory:
 
 def run_case(
     case: AnyCase,
-    material: Material,
+    material: AnyMaterial,
     directory: Path | str,
     *,
     base_directory: Path = Path(),

@@ -18,6 +18,9 @@ Array = NDArray[np.float64]
 
 UNITS = {
     "displacement": "mm",
+    "damage": "-",
+    "fibre_damage": "-",
+    "matrix_damage": "-",
     "velocity": "mm/s",
     "pressure": "MPa",
     "temperature": "K",

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pfemcut.case.load import AnyCase, CaseError, replaced, resolved_toml, validated
+from pfemcut.case.load import AnyCase, AnyMaterial, CaseError, replaced, resolved_toml, validated
 from pfemcut.inputs import InputError, read_toml
-from pfemcut.materials.material import Material
 
 if TYPE_CHECKING:
     from pfemcut.any_problem import AnyProblem
@@ -30,7 +29,7 @@ class LoadedCase:
     """
 
     case: AnyCase
-    material: Material
+    material: AnyMaterial
     directory: Path
 
     def figures(self) -> dict[str, str]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from pfemcut.any_problem import AnyProblem
 from pfemcut.driver import MethodFactory
 from pfemcut.particles.problem import Formulation, ParticleProblem
+from pfemcut.peridynamics.problem import LaminaProblem
 
 if TYPE_CHECKING:
     from pfemcut.particles.formulation import ForceModel
@@ -22,6 +23,14 @@ def factory_of(problem: AnyProblem) -> MethodFactory:
         if problem.formulation is Formulation.EULERIAN:
             return _particles(Eulerian(problem))
         return _particles(TotalLagrangian(problem))
+    if isinstance(problem, LaminaProblem):
+        from pfemcut.peridynamics.method import LatticeMethod
+
+        lamina = problem
+        return MethodFactory(
+            start=lambda: LatticeMethod.start(lamina),
+            restore=lambda state: LatticeMethod.restore(lamina, state),
+        )
     from pfemcut.pfem.method import PfemMethod
 
     meshed = problem

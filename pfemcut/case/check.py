@@ -6,7 +6,9 @@ from pathlib import Path
 
 from pfemcut.case.cutting import cutting_problem
 from pfemcut.case.general_schema import GeneralCase
-from pfemcut.case.load import AnyCase, initial_temperature
+from pfemcut.case.lamina import lamina_figures, lamina_warnings
+from pfemcut.case.lamina_schema import LaminaCase
+from pfemcut.case.load import AnyCase, AnyMaterial, initial_temperature, solid
 from pfemcut.case.particle_count import body_counts
 from pfemcut.case.particles import SolidsCase
 from pfemcut.case.plausible import implausible
@@ -17,8 +19,11 @@ from pfemcut.results.derived.tool_heating import tool_warnings
 from pfemcut.units import both
 
 
-def figures(case: AnyCase, material: Material, base_directory: Path) -> list[tuple[str, str]]:
+def figures(case: AnyCase, material: AnyMaterial, base_directory: Path) -> list[tuple[str, str]]:
     """Main figures of the case, as name and text with unit; its files lie in ``base_directory``."""
+    if isinstance(case, LaminaCase):
+        return lamina_figures(case)
+    material = solid(material)
     if isinstance(case, GeneralCase):
         return _general_figures(case, material, base_directory)
     if isinstance(case, SolidsCase):
@@ -103,8 +108,11 @@ def _general_figures(case: GeneralCase, material: Material, base_directory: Path
     ]
 
 
-def warnings(case: AnyCase, material: Material, base_directory: Path = Path()) -> list[str]:
+def warnings(case: AnyCase, material: AnyMaterial, base_directory: Path = Path()) -> list[str]:
     """Choices that are allowed but make a run inaccurate, meaningless or endless; one line each."""
+    if isinstance(case, LaminaCase):
+        return lamina_warnings(case)
+    material = solid(material)
     if isinstance(case, GeneralCase):
         return implausible(meshed_problem_of(case, material, base_directory))
     if isinstance(case, SolidsCase):

@@ -11,16 +11,21 @@ import tomli_w
 from pydantic import ValidationError
 
 from pfemcut.case.general_schema import GeneralCase
+from pfemcut.case.lamina_schema import LaminaCase
 from pfemcut.case.particles import SolidsCase
 from pfemcut.case.schema import Case
 from pfemcut.inputs import InputError, explained, read_toml
 from pfemcut.materials.load import load_material, material_table
 from pfemcut.materials.material import Material
+from pfemcut.peridynamics.lamina import Lamina
+from pfemcut.peridynamics.load import lamina_of, lamina_table
 from pfemcut.wear.load import wear_table
 
-AnyCase = Case | GeneralCase | SolidsCase
+AnyCase = Case | GeneralCase | SolidsCase | LaminaCase
+AnyMaterial = Material | Lamina
+"""A lamina is no material of a solid: it has other constants."""
 
-_KINDS: dict[Any, type[AnyCase]] = {"general": GeneralCase, "solids": SolidsCase}
+_KINDS: dict[Any, type[AnyCase]] = {"general": GeneralCase, "solids": SolidsCase, "lamina": LaminaCase}
 _DEEPEST = 20  # tables in tables; no key of a case lies so deep
 
 
@@ -28,7 +33,7 @@ class CaseError(InputError):
     """A case that can't be run as given; one line a problem."""
 
 
-def load_case(path: Path | str, overrides: Sequence[str] = ()) -> tuple[AnyCase, Material]:
+def load_case(path: Path | str, overrides: Sequence[str] = ()) -> tuple[AnyCase, AnyMaterial]:
     """Read, override and validate a case file and the material it names.
 
     Parameters
@@ -55,7 +60,7 @@ def load_case(path: Path | str, overrides: Sequence[str] = ()) -> tuple[AnyCase,
         raise CaseError(error.problems) from None
 
 
-def validated(table: Mapping[str, Any], base_directory: Path) -> tuple[AnyCase, Material]:
+def validated(table: Mapping[str, Any], base_directory: Path) -> tuple[AnyCase, AnyMaterial]:
     """The case and the material of an already parsed case file in ``base_directory``.
 
     Raises
@@ -66,7 +71,7 @@ def validated(table: Mapping[str, Any], base_directory: Path) -> tuple[AnyCase, 
     problems: list[str] = []
     # Other materials than the first body's, and wear constants, stay in the case as whole tables: it alone then makes
     # the problem.
-    for written_out in (_with_materials, _with_wear):
+    for written_out in (_with_materials, _with_wear, _with_lamina):
         try:
             table = written_out(table, base_directory)
         except InputError as error:
@@ -80,11 +85,14 @@ def validated(table: Mapping[str, Any], base_directory: Path) -> tuple[AnyCase, 
     try:
         spec, section = _material_spec(table)
         if isinstance(spec, str | Mapping):
-            material = load_material(spec, base_directory, section=section)
+            material: AnyMaterial = load_material(spec, base_directory, section=section)
     except InputError as error:
         problems += error.problems
     if problems:
         raise CaseError(problems)
+    if isinstance(case, LaminaCase):
+        written: Any = case.lamina.material
+        material = lamina_of(written)
     return case, material
 
 
@@ -127,8 +135,18 @@ def _with_wear(table: Mapping[str, Any], base_directory: Path) -> Mapping[str, A
     return {**table, "tool": {**tool, "wear": wear_table(tool["wear"], base_directory)}}
 
 
+def _with_lamina(table: Mapping[str, Any], base_directory: Path) -> Mapping[str, Any]:
+    """``table`` with a lamina's constants written out."""
+    plate = table.get("lamina")
+    if not isinstance(plate, Mapping) or not isinstance(plate.get("material"), str | Mapping):
+        return table
+    return {**table, "lamina": {**plate, "material": lamina_table(plate["material"], base_directory)}}
+
+
 def _material_spec(table: Mapping[str, Any]) -> tuple[Any, str]:
     """What the case gives as material, and where it does."""
+    if _model(table) is LaminaCase:
+        return None, ""
     if _model(table) is not Case:
         bodies = table.get("body")
         holder, section = (bodies[0] if isinstance(bodies, list) and bodies else None), "body.material"
@@ -197,7 +215,7 @@ def replaced(table: Mapping[str, Any], keys: Sequence[str], value: Any, origin: 
 
 def _is_material(keys: Sequence[str]) -> bool:
     match list(keys):
-        case ["workpiece", "material"] | ["body", _, "material"] | ["tool", "body", "material"]:
+        case ["workpiece" | "lamina", "material"] | ["body", _, "material"] | ["tool", "body", "material"]:
             return True
     return False
 
@@ -212,14 +230,22 @@ def toml_value(text: str) -> Any:
     return document["value"] if list(document) == ["value"] else text
 
 
-def resolved_toml(case: AnyCase, material: Material) -> str:
+def solid(material: AnyMaterial) -> Material:
+    """``material`` of a case that is no lamina."""
+    assert isinstance(material, Material)
+    return material
+
+
+def resolved_toml(case: AnyCase, material: AnyMaterial) -> str:
     """Case file with every default written out and the material inlined: it alone reproduces the run."""
     table = case.model_dump()
+    if isinstance(case, LaminaCase):
+        return tomli_w.dumps(_without_none(table))
     holder = table["workpiece"] if isinstance(case, Case) else table["body"][0]
-    holder["temperature"] = initial_temperature(case, material)
+    holder["temperature"] = initial_temperature(case, solid(material))
     # Last, so that its sub-table does not swallow the keys behind it.
     del holder["material"]
-    holder["material"] = material_table(material)
+    holder["material"] = material_table(solid(material))
     return tomli_w.dumps(_without_none(table))
 
 
@@ -232,7 +258,7 @@ def _without_none(value: Any) -> Any:
     return value
 
 
-def initial_temperature(case: AnyCase, material: Material) -> float:
+def initial_temperature(case: Case | GeneralCase | SolidsCase, material: Material) -> float:
     """Temperature (K) of the body at time zero."""
     given = (case.workpiece if isinstance(case, Case) else case.body[0]).temperature
     return material.reference_temperature if given is None else given

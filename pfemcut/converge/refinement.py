@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
+from pfemcut.case.lamina_schema import LaminaCase
 from pfemcut.case.load import AnyCase
 from pfemcut.case.particles import ExplicitEnd
 from pfemcut.sweep.plan import Values, Variant
@@ -109,6 +110,8 @@ def scaled_steps(case: AnyCase, factor: float) -> Values:
 
     Where steps may grow beyond the nominal one, plastic flow decides how far: what it allows scales too.
     """
+    if isinstance(case, LaminaCase):
+        return {}
     time = case.time
     if isinstance(time, ExplicitEnd):
         # Explicit steps follow the spacing of the particles by themselves.

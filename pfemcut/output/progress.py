@@ -6,6 +6,7 @@ On a terminal a live line; elsewhere (a log file, a batch queue, under mpirun) a
 from __future__ import annotations
 
 import contextlib
+import math
 import sys
 import time
 from collections.abc import Callable
@@ -60,6 +61,9 @@ def progress_display(
 
 def state_text(measures: Measures) -> str:
     """Return travel, forces and highest temperature; short enough for a terminal of 80 columns."""
+    if math.isnan(measures.max_temperature):
+        # No heat, no tool.
+        return f"travel {measures.travel:.4f} mm"
     return (
         f"travel {measures.travel:.4f} mm  Fc {measures.cutting_force:.1f} Ft {measures.thrust_force:.1f} N/mm  "
         f"Tmax {measures.max_temperature:.0f} K"

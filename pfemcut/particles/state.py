@@ -143,18 +143,23 @@ def to_arrays(state: State[Any]) -> dict[str, NDArray[np.generic]]:
     """Flat named arrays of ``state`` without its memory."""
     arrays: dict[str, NDArray[np.generic]] = {name: np.asarray(getattr(state, name)) for name in _PLAIN}
     for group in _GROUPS:
-        data = getattr(state, group)
-        for each in dataclasses.fields(data):
-            arrays[f"{group}/{each.name}"] = np.asarray(getattr(data, each.name))
+        arrays |= flattened(group, getattr(state, group))
     return arrays
+
+
+def flattened(name: str, data: Any) -> dict[str, NDArray[np.generic]]:
+    """The fields of a dataclass as arrays, named after it."""
+    return {f"{name}/{each.name}": np.asarray(getattr(data, each.name)) for each in dataclasses.fields(data)}
+
+
+def unflattened(kind: type[Any], name: str, arrays: Arrays, *, scalar: bool) -> Any:
+    """The dataclass of a ``kind`` that :func:`flattened` gave, of scalars or of arrays."""
+    values = {each.name: arrays[f"{name}/{each.name}"] for each in dataclasses.fields(kind)}
+    return kind(**{key: value.item() if scalar else value for key, value in values.items()})
 
 
 def from_arrays(arrays: Arrays, memory: Memory) -> State[Memory]:
     """The state that :func:`to_arrays` flattened, with its ``memory``."""
-
-    def group(kind: type, name: str, scalar: bool) -> Any:
-        values = {each.name: arrays[f"{name}/{each.name}"] for each in dataclasses.fields(kind)}
-        return kind(**{key: value.item() if scalar else value for key, value in values.items()})
 
     def array(name: str) -> Array:
         return np.asarray(arrays[name], dtype=np.float64)
@@ -162,12 +167,12 @@ def from_arrays(arrays: Arrays, memory: Memory) -> State[Memory]:
     return State(
         array("positions"),
         array("velocities"),
-        group(Loads, "loads", scalar=False),
-        group(PointState, "material", scalar=False),
+        unflattened(Loads, "loads", arrays, scalar=False),
+        unflattened(PointState, "material", arrays, scalar=False),
         array("volume_ratio"),
         memory,
-        group(Clock, "clock", scalar=True),
-        group(Ledger, "ledger", scalar=True),
+        unflattened(Clock, "clock", arrays, scalar=True),
+        unflattened(Ledger, "ledger", arrays, scalar=True),
         array("impulse"),
         array("tool_force"),
         array("tool_impulse"),

@@ -11,6 +11,7 @@ class Taken(Enum):
 
     WINDOW = "mean and standard deviation over the steady window"
     LAST = "last row"
+    END = "last row, a result rather than a check"
     FRAME = "last frame, after unloading"
     INSTANTS = "mean and standard deviation over the instants recorded in the steady window"
 
@@ -127,6 +128,46 @@ SURFACE_FIGURES = (
         "burr_neck_thickness", "Burr thickness at the neck", "mm", "Vertical thickness where the chip begins."
     ),
     _left("burr_overhang", "Overhang", "mm", "Farthest material from the end face, with the chip."),
+)
+
+
+def _end(name: str, label: str, unit: str, meaning: str) -> Definition:
+    return Definition(name, label, unit, meaning, Taken.END)
+
+
+LAMINA_FIGURES = (
+    _end(
+        "young_modulus",
+        "Young's modulus along the pull",
+        "MPa",
+        "Stress over the whole section against the strain of the middle half, before the first bond breaks.",
+    ),
+    _end("peak_load", "Peak load", "N", "Largest mean of the two grips' forces over a batch of steps."),
+    _end("peak_elongation", "Elongation at the peak", "mm", "Of the plate between the grips."),
+    *(
+        definition
+        for number, name in ((1, "First"), (2, "Second"))
+        for definition in (
+            _end(
+                f"crack_{number}_start_x",
+                f"{name} crack, start along the pull",
+                "mm",
+                "Middle of its first broken matrix bonds, from the plate's middle.",
+            ),
+            _end(f"crack_{number}_start_y", f"{name} crack, start across", "mm", "Likewise."),
+            _end(
+                f"crack_{number}_angle",
+                f"{name} crack, angle",
+                "degree",
+                "From the pull, of the line that fits its broken bonds best.",
+            ),
+            _end(f"crack_{number}_length", f"{name} crack, length", "mm", "Along that line."),
+        )
+    ),
+    _end("parts", "Parts", "-", "Pieces between the grips that whole bonds hold together."),
+    _end("broken_matrix_bonds", "Broken matrix bonds", "-", "Since the start."),
+    _end("broken_fibre_bonds", "Broken fibre bonds", "-", "Since the start."),
+    _end("fracture_energy", "Energy of broken bonds", "mJ", "What bonds held when they broke."),
 )
 
 FIGURES = (
@@ -350,4 +391,5 @@ FIGURES = (
     ),
     Definition("mass_drift", "Mass drift", "-", "Relative change of the integral of density.", Taken.LAST),
     *SURFACE_FIGURES,
+    *LAMINA_FIGURES,
 )

@@ -198,7 +198,7 @@ def versions() -> dict[str, str]:
 
 
 def _figure(item: Definition, values: Array, window: SteadyWindow) -> dict[str, float | str]:
-    if item.taken is Taken.LAST:
+    if item.taken in (Taken.LAST, Taken.END):
         return {"value": float(values[np.isfinite(values)][-1]), "unit": item.unit}
     mean, std = window.mean(values), window.std(values)
     if math.isnan(mean):

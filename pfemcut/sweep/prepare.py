@@ -10,11 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from pfemcut.case.check import warnings
-from pfemcut.case.load import AnyCase, CaseError, directed, replaced, resolved_toml, validated
+from pfemcut.case.load import AnyCase, AnyMaterial, CaseError, directed, replaced, resolved_toml, validated
 from pfemcut.case.schema import Case
 from pfemcut.case.translate import problem_of
 from pfemcut.inputs import InputError, UserError, read_toml
-from pfemcut.materials.material import Material
 from pfemcut.output.directory import INPUTS, OutputError
 from pfemcut.problem.course import Course
 from pfemcut.results.checkpoint import NAME, PREVIOUS, changed_keys
@@ -53,7 +52,7 @@ class Prepared:
 
     variant: Variant
     case: AnyCase
-    material: Material
+    material: AnyMaterial
     base_directory: Path
     directory: Path
     parameters: Values

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pfemcut.case.load import load_case
+from pfemcut.case.load import load_case, solid
 from pfemcut.case.particles import SolidsCase
 from pfemcut.case.solids import solids_problem
 from pfemcut.output.directory import INPUTS
@@ -51,7 +51,7 @@ def last_cloud(directory: Path) -> Cloud:
     case, material = load_case(directory / INPUTS)
     if not isinstance(case, SolidsCase):
         raise TypeError(f"{directory}: no case of solids")
-    problem = solids_problem(case, material, directory)
+    problem = solids_problem(case, solid(material), directory)
     entry = max((e for e in read_collection(directory) if e.part == BODY_PART), key=lambda e: e.step)
     points, fields = body_points(directory, entry)
     points = points[:, : problem.dimension]

@@ -10,9 +10,8 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from pfemcut.case.load import AnyCase, load_case
+from pfemcut.case.load import AnyCase, AnyMaterial, load_case
 from pfemcut.driver import run_case
-from pfemcut.materials.material import Material
 from pfemcut.output.directory import HISTORY, SUMMARY
 from pfemcut.ranks import Ranks
 from pfemcut.results.checkpoint import NAME, PREVIOUS
@@ -47,7 +46,7 @@ def recorded_run(case_file: Path, directory: Path, overrides: Sequence[str], sta
 
 
 def record_case(
-    case: AnyCase, material: Material, directory: Path, start: Start, base_directory: Path
+    case: AnyCase, material: AnyMaterial, directory: Path, start: Start, base_directory: Path
 ) -> Summary:
     """Run a case, whose files lie in ``base_directory``, into ``directory``; called by all ranks under MPI.
 

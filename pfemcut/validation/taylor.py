@@ -17,7 +17,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from numpy.typing import NDArray
 
-from pfemcut.case.load import load_case
+from pfemcut.case.load import load_case, solid
 from pfemcut.case.particles import Cylinder, SolidsCase
 from pfemcut.output.directory import INPUTS
 from pfemcut.particles.measures import Regularity, regularity
@@ -140,7 +140,7 @@ def _row(outcome: Outcome, cloud: Cloud) -> list[str | float]:
         outcome.variant.name,
         spacing,
         "yes" if case.particles.corrected else "no",
-        float(getattr(material.hardening, "melting_temperature", np.nan)),
+        float(getattr(solid(material).hardening, "melting_temperature", np.nan)),
         last["nodes"],
         last["time_steps"],
         bar.length,

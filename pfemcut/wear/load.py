@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import Field, Strict, ValidationError, model_validator
 
 from pfemcut.input_table import InputTable
-from pfemcut.inputs import InputError, explained, is_file, nearest, read_toml
+from pfemcut.inputs import InputError, explained
+from pfemcut.library import entry, entry_names
 from pfemcut.wear.usui import Constants, UsuiWear
 
+PACKAGE = "pfemcut.wear"
 SECTION = "tool.wear"
 
 
@@ -51,10 +52,7 @@ class WearTable(_Table):
 
 def wear_names() -> list[str]:
     """Names of the library's pairs."""
-    folder = resources.files("pfemcut.wear") / "library"
-    return sorted(
-        entry.name.removesuffix(".toml") for entry in folder.iterdir() if entry.name.endswith(".toml")
-    )
+    return entry_names(PACKAGE)
 
 
 def wear_table(spec: str | Mapping[str, Any], base_directory: Path) -> dict[str, Any]:
@@ -103,11 +101,5 @@ def wear_of(table: Mapping[str, Any]) -> UsuiWear:
 
 def _named(name: str, base_directory: Path) -> tuple[dict[str, Any], str]:
     """Table of the library or of a file, and what messages call it."""
-    if name in wear_names():
-        with resources.as_file(resources.files("pfemcut.wear") / "library" / f"{name}.toml") as path:
-            return read_toml(path), f"wear constants '{name}'"
-    path = base_directory / name
-    if name.endswith(".toml") or is_file(path):
-        return read_toml(path), str(path)
-    hint = nearest(name, wear_names())
-    raise InputError([f"[tool] wear: unknown pair '{name}'{hint} (or a path to a .toml file)"])
+    table, path = entry(PACKAGE, name, base_directory, "[tool] wear", "pair")
+    return table, f"wear constants '{name}'" if name in wear_names() else str(path)

@@ -15,10 +15,12 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from pfemcut.case.general_schema import GeneralCase
+from pfemcut.case.lamina_schema import LaminaCase
 from pfemcut.case.schema import Case
 from pfemcut.inputs import models_in
 from pfemcut.materials.load import MaterialTable
 from pfemcut.output.report.text import converted, shown, spoken
+from pfemcut.peridynamics.load import LaminaTable
 from pfemcut.units import unit_and_words
 
 NUMERICS = ("mesh", "time", "solver", "output")
@@ -29,6 +31,11 @@ TITLES = {
     "tool": "Tool",
     "cutting": "Cut",
     "contact": "Contact",
+    "lamina": "Plate",
+    "hole": "Holes",
+    "crack": "Line cracks",
+    "lattice": "Lattice",
+    "pull": "Pull",
     "mesh": "Particle spacing",
     "time": "Time steps",
     "solver": "Solver",
@@ -95,7 +102,8 @@ def tables(inputs: str) -> tuple[tuple[InputTable, ...], tuple[MaterialInputs, .
         If the text is no TOML.
     """
     table = tomllib.loads(inputs)
-    model: type[BaseModel] = GeneralCase if table.get("problem") == "general" else Case
+    kinds: dict[str, type[BaseModel]] = {"general": GeneralCase, "lamina": LaminaCase}
+    model = kinds.get(str(table.get("problem")), Case)
     sections = []
     for name, title in TITLES.items():
         given = {name: table[name]} if name in table else {}
@@ -113,6 +121,7 @@ def _materials(table: Mapping[str, Any]) -> Iterator[MaterialInputs]:
     holders = [("Workpiece", table.get("workpiece", {}))]
     holders += [(each.get("name", "body"), each) for each in table.get("body", ())]
     holders.append(("Tool", table.get("tool", {}).get("body", {})))
+    holders.append(("Lamina", table.get("lamina", {})))
     for owner, holder in holders:
         given = holder.get("material")
         if isinstance(given, Mapping):
@@ -136,7 +145,7 @@ def _materials(table: Mapping[str, Any]) -> Iterator[MaterialInputs]:
 def _constants(material: Mapping[str, Any]) -> Iterator[InputRow]:
     sources = material.get("sources", {})
     given = {key: value for key, value in material.items() if key not in _WORDS}
-    for row in _rows(given, [MaterialTable], ""):
+    for row in _rows(given, [MaterialTable, LaminaTable], ""):
         table, _, constant = row.key.rpartition(".")
         source = sources.get(row.key) or sources.get(constant) or sources.get(table, "")
         yield replace(row, key=row.key.removeprefix("hardening."), source=source)

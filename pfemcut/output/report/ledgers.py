@@ -41,6 +41,8 @@ ENERGY_OUT = (
     Account("friction_work", "Friction", "shear force times sliding"),
     Account("elastic_energy", "Elastic energy", "stored now"),
     Account("contact_energy", "Contact springs", "stored in the penalty contact"),
+    Account("fracture_energy", "Broken bonds", "what they held when they broke"),
+    Account("damping_energy", "Dashpots", "dissipated beside the bonds"),
     Account("thermoelastic_work", "Thermoelastic work", "of the pressure on the thermal expansion"),
     Account("remeshing_energy", "Remeshing", "stored energy after less before each transfer"),
 )

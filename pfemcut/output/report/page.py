@@ -24,6 +24,7 @@ from pfemcut.inputs import InputError
 from pfemcut.method import Frame
 from pfemcut.output.directory import FIGURES, HISTORY, INPUTS, REPORT, SUMMARY, OutputError
 from pfemcut.output.figures import write_figures
+from pfemcut.output.lamina_figures import write_lamina_figures
 from pfemcut.output.profile_figure import write_profile_figure
 from pfemcut.output.progress import duration
 from pfemcut.output.report.animation import NAME as ANIMATION
@@ -113,7 +114,10 @@ def _draw(
 ) -> None:
     figures = directory / FIGURES
     depth = float(given.get("cutting", {}).get("depth", math.nan))
-    write_figures(figures, frame, history, _window(history), depth, scales)
+    if "lamina" in given:
+        write_lamina_figures(figures, frame, history, given)
+    else:
+        write_figures(figures, frame, history, _window(history), depth, scales)
     write_history_figures(figures, history)
     write_profile_figure(directory)
     write_surface_pictures(directory, summary)
@@ -142,7 +146,7 @@ def _page(
     figures = directory / FIGURES
     pictures = found_pictures(figures)
     results = result_rows(summary, history, _window(history)) if rows else []
-    inertia = bool(given.get("time", {}).get("inertia", False))
+    inertia = bool(given.get("time", {}).get("inertia", False)) or "lamina" in given
     by_name = {row.name: row for row in results}
     return environment.get_template(TEMPLATE).render(
         summary=summary,

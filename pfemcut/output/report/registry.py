@@ -57,6 +57,13 @@ class FoundTable:
 
 
 PICTURES = (
+    Picture("load.png", Section.FORCES, "Mean force of the grips against the elongation between them."),
+    Picture(
+        "damage.png",
+        Section.FIELDS,
+        "Fraction of broken bonds of the sites at the end, displacements enlarged; the dashed line through each hole "
+        "or crack is along the fibre.",
+    ),
     Picture(
         "forces.png",
         Section.FORCES,
