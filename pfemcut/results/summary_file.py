@@ -42,9 +42,11 @@ def read_summary_file(path: Path) -> dict[str, Any]:
 
 def required(content: Mapping[str, Any], path: Path, *names: str) -> None:
     """Raise :class:`SummaryError` unless the content of the summary at ``path`` has all of ``names``."""
-    missing = [name for name in names if name not in content]
+    missing = [
+        name for name in names if name not in content or (name in _FIGURES and not _is_figure(content[name]))
+    ]
     if missing:
-        raise SummaryError(f"{path}: damaged: has no '{missing[0]}'")
+        raise SummaryError(f"{path}: damaged: has no '{missing[0]}' as a run writes it")
 
 
 def _as_written(name: str, value: Any) -> bool:
@@ -62,11 +64,15 @@ def _as_written(name: str, value: Any) -> bool:
         return isinstance(value, dict) and all(isinstance(each, str) for each in value.values())
     if name in _TABLES:
         return isinstance(value, dict) and all(map(_is_number, value.values()))
-    if not isinstance(value, dict):
-        # What a later version may write besides.
-        return name not in _FIGURES
-    values = [each for key, each in value.items() if key != "unit"]
-    return bool(values) and isinstance(value.get("unit", ""), str) and all(map(_is_number, values))
+    # Figures have a unit; anything else is what a later version, or a study, writes besides.
+    return not isinstance(value, dict) or "unit" not in value or _is_figure(value)
+
+
+def _is_figure(value: Any) -> bool:
+    if not isinstance(value, dict) or not isinstance(value.get("unit"), str):
+        return False
+    numbers = [each for key, each in value.items() if key != "unit"]
+    return bool(numbers) and ("value" in value or "mean" in value) and all(map(_is_number, numbers))
 
 
 def _is_number(value: Any) -> bool:
