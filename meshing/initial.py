@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import signal
+import warnings
+from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass, replace
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +18,11 @@ from meshing.sizes import SizeField
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+
+
+LARGEST_COORDINATE = 1e6
+"""Of a node in a file (mm)."""
+_FLAT = 1e-9  # area of a triangle over the square of its extent, at most, that is called none
 
 
 class MeshFileError(Exception):
@@ -144,24 +152,53 @@ def read_mesh(path: Path) -> tuple[Mesh, tuple[str, ...]]:
     Raises
     ------
     MeshFileError
-        If the file can't be read, holds no triangles, or its boundary does not form simple loops.
+        If the file can't be read, holds no triangles, or none that make a body, or its boundary does not form simple
+        loops.
+    """
+    found = read_quietly(path)
+    points = np.asarray(found.points, dtype=np.float64)
+    triangles = [block.data for block in found.cells if block.type == "triangle" and len(block.data)]
+    if not triangles or points.ndim != 2 or points.shape[1] < 2:
+        raise MeshFileError(f"{path}: holds no triangles")
+    points, cells = points[:, :2], np.vstack(triangles).astype(np.int64)
+    if cells.min() < 0 or cells.max() >= len(points):
+        raise MeshFileError(f"{path}: a triangle has a node that is not there")
+    corners = points[cells]
+    if not np.isfinite(corners).all() or np.abs(corners).max() > LARGEST_COORDINATE:
+        raise MeshFileError(f"{path}: a node lies beyond {LARGEST_COORDINATE:g} mm, or nowhere")
+    areas = signed_areas(points, cells)
+    if np.any(np.abs(areas) <= _FLAT * np.ptp(corners, axis=1).max(axis=1) ** 2):
+        raise MeshFileError(f"{path}: a triangle has no area")
+    flipped = areas < 0.0
+    cells[flipped] = cells[flipped][:, [0, 2, 1]]
+    try:
+        names, named = _named_edges(found)
+    except (IndexError, KeyError, TypeError, ValueError) as error:
+        raise MeshFileError(f"{path}: its groups of lines can't be read: {error!r}") from error
+    boundary = _boundary_loops(cells, named, path)
+    return _without_loose_nodes(points, cells, boundary), (*names, "boundary")
+
+
+def read_quietly(path: Path, file_format: str | None = None) -> Any:
+    """What meshio reads, of the format that the name means unless it is given.
+
+    Raises
+    ------
+    MeshFileError
+        If it can't read the file.
     """
     import meshio
 
     try:
-        found = meshio.read(path)
-    except (OSError, meshio.ReadError, ValueError, SystemExit) as error:
-        raise MeshFileError(f"{path}: not a mesh that meshio can read: {error}") from error
-    points = np.asarray(found.points, dtype=np.float64)[:, :2]
-    triangles = [block.data for block in found.cells if block.type == "triangle"]
-    if not triangles:
-        raise MeshFileError(f"{path}: holds no triangles")
-    cells = np.vstack(triangles).astype(np.int64)
-    flipped = signed_areas(points, cells) < 0.0
-    cells[flipped] = cells[flipped][:, [0, 2, 1]]
-    names, named = _named_edges(found)
-    boundary = _boundary_loops(cells, named, path)
-    return _without_loose_nodes(points, cells, boundary), (*names, "boundary")
+        # Numpy warns of numbers that it gave up on in the middle. What meshio prints is said below, in one line.
+        with warnings.catch_warnings(), redirect_stdout(StringIO()), redirect_stderr(StringIO()):
+            warnings.simplefilter("error", DeprecationWarning)
+            return meshio.read(path, file_format=file_format)
+    except SystemExit as error:
+        raise MeshFileError(f"{path}: not a mesh that meshio can read, in any format of that name") from error
+    # A damaged file ends its readers in any way: lists too short, names unknown, arrays that do not fit.
+    except Exception as error:
+        raise MeshFileError(f"{path}: not a mesh that meshio can read: {error!r}") from error
 
 
 def _named_edges(found: Any) -> tuple[list[str], dict[tuple[int, int], int]]:
@@ -188,6 +225,8 @@ def _boundary_loops(cells: IntArray, named: dict[tuple[int, int], int], path: Pa
     directed = np.vstack([cells[:, [0, 1]], cells[:, [1, 2]], cells[:, [2, 0]]])
     base = int(cells.max()) + 1
     key = directed[:, 0] * base + directed[:, 1]
+    if len(np.unique(key)) < len(key):
+        raise MeshFileError(f"{path}: triangles overlap")
     outer = directed[~np.isin(key, directed[:, 1] * base + directed[:, 0])]
     following = dict(outer.tolist())
     if len(following) != len(outer):

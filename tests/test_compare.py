@@ -268,7 +268,7 @@ def test_bad_command_lines_are_named(tmp_path: Path, capsys: pytest.CaptureFixtu
         ([run, tmp_path / "nowhere"], "no such file or folder"),
         ([run, tmp_path / "empty"], "no results here"),
         ([run, metres], "unit of cutting_force: given 'N/m', must be 'N/mm'"),
-        ([run, broken], "can't be read"),
+        ([run, broken], "summary.json: damaged"),
         ([run, metres, "-o", "out.pdf"], "-o: given 'out.pdf'"),
         ([run, broken, "--reference", tmp_path / "other"], "is not compared"),
     ):

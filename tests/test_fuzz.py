@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.util
+import importlib
 import json
 import sys
 from pathlib import Path
@@ -20,31 +20,39 @@ ROOT = Path(__file__).parents[1]
 
 @pytest.fixture(scope="module")
 def script() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("fuzz_inputs", ROOT / "scripts/fuzz_inputs.py")
-    assert spec and spec.loader
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["fuzz_inputs"] = module
-    spec.loader.exec_module(module)
-    return module
+    # As python scripts/fuzz_inputs.py does.
+    sys.path.insert(0, str(ROOT / "scripts"))
+    return importlib.import_module("fuzz_inputs")
 
 
 def test_mutated_inputs_are_accepted_as_they_are_or_refused_in_clear_words(script: ModuleType) -> None:
     told: list[str] = []
     counts = script.fuzz(7, range(400), told.append)
     assert not told, "\n".join(told)
-    assert {kind.split()[0] for kind, _ in counts} == set(script.SHARES)
+    assert {kind.split()[0] for kind, _ in counts} == set(script.inputs.SHARES)
     assert sum(count for (_, outcome), count in counts.items() if outcome == "accepted") > 20
 
 
+def test_commands_on_damaged_folders_end_in_clear_words(script: ModuleType) -> None:
+    told: list[str] = []
+    counts = script.fuzz(7, range(20), told.append, what="folders")
+    assert not told, "\n".join(told)
+    assert {kind for kind, _ in counts} == set(script.folders.COMMANDS)
+
+
 def test_a_changed_value_would_be_noticed(script: ModuleType) -> None:
-    script.require_same_values({"a": {"b": [1, 2.0]}}, {"a": {"b": [1.0, 2.0], "c": 3}})
+    from fuzzing.judgement import Changed, require_same_values
+
+    require_same_values({"a": {"b": [1, 2.0]}}, {"a": {"b": [1.0, 2.0], "c": 3}})
     for given in ({"a": {"b": [1, 2.5]}}, {"a": {"b": [1]}}, {"a": {"d": 1}}):
-        with pytest.raises(script.Changed):
-            script.require_same_values(given, {"a": {"b": [1.0, 2.0]}})
+        with pytest.raises(Changed):
+            require_same_values(given, {"a": {"b": [1.0, 2.0]}})
 
 
 def test_a_slow_input_would_be_noticed(script: ModuleType) -> None:
-    with pytest.raises(script.TooSlow), script.limited(0.05):
+    from fuzzing.judgement import TooSlow, limited
+
+    with pytest.raises(TooSlow), limited(0.05):
         while True:
             pass
 

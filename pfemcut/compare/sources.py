@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -20,6 +19,7 @@ from pfemcut.results.history import HistoryError, read_table
 from pfemcut.results.measured import FORCES, TRAVEL, Array, Curve, cuts_of, load_measured
 from pfemcut.results.published import KNOWN, load_published
 from pfemcut.results.summary import summarise
+from pfemcut.results.summary_file import SummaryError, read_summary_file
 from pfemcut.sweep.plan import Values
 
 TELLS_NOTHING = ("results", "out")
@@ -165,12 +165,9 @@ def _columns(history: Path) -> dict[str, Array]:
 
 def _json(path: Path) -> dict[str, Any]:
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise InputError([f"{path}: can't be read: {error}"]) from None
-    if not isinstance(content, dict):
-        raise InputError([f"{path}: is not a summary"])
-    return content
+        return read_summary_file(path)
+    except SummaryError as error:
+        raise InputError([str(error)]) from None
 
 
 def _entries(path: Path, content: Mapping[str, Any]) -> dict[str, Entry]:

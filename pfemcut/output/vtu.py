@@ -17,6 +17,7 @@ import meshio
 import numpy as np
 from numpy.typing import NDArray
 
+from meshing.initial import MeshFileError, read_quietly
 from pfemcut.inputs import UserError
 from pfemcut.method import Block, ContactView, Frame, IntArray
 from pfemcut.tools.rigid_wedge import RigidWedge
@@ -34,6 +35,9 @@ _NAMES = {BODY_PART: "workpiece", TOOL_PART: "tool"}
 TENSOR = ("xx", "yy", "zz", "xy")
 _GEOMETRY = ("travel", "rake", "clearance", "tip_radius", "centre_x", "centre_y", "body")
 _CONTACT = ("contact_pressure", "contact_shear", "in_contact")
+
+
+_LONGEST = 200  # characters of what a reader says of a damaged file
 
 
 class FieldsError(UserError):
@@ -166,6 +170,18 @@ def read_frame(directory: Path, entries: Sequence[Entry]) -> Frame:
     FieldsError
         If a file is damaged.
     """
+    try:
+        frame = _frame(directory, entries)
+        cells_fit = not frame.cells.size or (frame.cells.min() >= 0 and frame.cells.max() < len(frame.points))
+        if not cells_fit or not np.isfinite(frame.points).all():
+            raise ValueError("its cells and points do not fit")
+    except (KeyError, IndexError, ValueError, TypeError, AttributeError) as error:
+        names = ", ".join(entry.file for entry in entries)
+        raise FieldsError(f"{directory}: {names}: damaged ({repr(error)[:_LONGEST]})") from error
+    return frame
+
+
+def _frame(directory: Path, entries: Sequence[Entry]) -> Frame:
     files = {entry.part: entry for entry in entries}
     body = _read(directory / files[BODY_PART].file)
     tool: tuple[RigidWedge, ...] = ()
@@ -276,8 +292,8 @@ def read_collection(directory: Path) -> list[Entry]:
             )
             for s in sets
         ]
-    except (Xml.ParseError, KeyError, ValueError) as error:
-        raise FieldsError(f"{path}: damaged ({error})") from error
+    except (OSError, Xml.ParseError, KeyError, ValueError) as error:
+        raise FieldsError(f"{path}: damaged ({str(error)[:_LONGEST]})") from error
 
 
 def write_collection(directory: Path, entries: list[Entry]) -> None:
@@ -312,9 +328,9 @@ def _write_atomically(path: Path, mesh: meshio.Mesh) -> None:
 
 def _read(path: Path) -> meshio.Mesh:
     try:
-        return meshio.read(path, file_format="vtu")
-    except (OSError, meshio.ReadError, Xml.ParseError, ValueError, KeyError, SystemExit) as error:
-        raise FieldsError(f"{path}: can't be read ({error})") from error
+        return read_quietly(path, file_format="vtu")
+    except MeshFileError as error:
+        raise FieldsError(str(error)[: len(str(path)) + _LONGEST]) from error
 
 
 def _constants(mesh: meshio.Mesh) -> dict[str, float]:

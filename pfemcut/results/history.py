@@ -108,7 +108,7 @@ def truncate_table(path: Path, last_step: int) -> int:
     """
     if not path.exists():
         return 0
-    lines = path.read_text(encoding="ascii").splitlines(keepends=True)
+    lines = _lines(path)
     kept = [line for line in lines[1:] if line.endswith("\n") and _step(path, line) <= last_step]
     head = [line for line in lines[:1] if line.endswith("\n")]
     with replacing(path) as temporary:
@@ -118,8 +118,10 @@ def truncate_table(path: Path, last_step: int) -> int:
 
 def read_table(path: Path) -> dict[str, Array]:
     """Columns by name, each of shape (rows,), of a table; a half-written last row is left out."""
-    lines = path.read_text(encoding="ascii").splitlines(keepends=True)
+    lines = _lines(path)
     columns = _header(path)
+    if len(set(columns)) < len(columns):
+        raise HistoryError(f"{path}: a column is there twice")
     rows = [line.rstrip("\n").split(",") for line in lines[1:] if line.endswith("\n")]
     if any(len(row) != len(columns) for row in rows):
         raise HistoryError(f"{path}: a row has not {len(columns)} values")
@@ -131,9 +133,30 @@ def read_table(path: Path) -> dict[str, Array]:
     return {name: values[:, i].copy() for i, name in enumerate(columns)}
 
 
+def require_columns(table: Mapping[str, Array], path: Path, *names: str) -> None:
+    """Raise :class:`HistoryError` unless the table read from ``path`` has all of the columns ``names``."""
+    missing = [name for name in names if name not in table]
+    if missing:
+        raise HistoryError(f"{path}: has no column '{missing[0]}'")
+
+
+def _lines(path: Path) -> list[str]:
+    """Its lines with their ends, of which the last may lack its own.
+
+    Raises
+    ------
+    HistoryError
+        If it can't be read as text.
+    """
+    try:
+        with path.open(encoding="ascii", newline="\n") as file:
+            return file.readlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise HistoryError(f"{path}: can't be read: {error}") from error
+
+
 def _header(path: Path) -> tuple[str, ...]:
-    with path.open(encoding="ascii") as file:
-        line = file.readline()
+    line = next(iter(_lines(path)), "")
     return tuple(line.rstrip("\n").split(",")) if line.endswith("\n") else ()
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib.metadata
-import json
 import math
 import platform
 import sys
@@ -20,6 +19,7 @@ from pfemcut.results.definitions import FIGURES, Definition, Taken
 from pfemcut.results.derived.friction import apparent_friction
 from pfemcut.results.derived.specific_energy import specific_energy
 from pfemcut.results.derived.steady_window import SteadyWindow, steady_window
+from pfemcut.results.summary_file import read_summary_file
 from pfemcut.whole_files import write_json
 
 Array = NDArray[np.float64]
@@ -167,7 +167,7 @@ def write_summary(path: Path, summary: Summary) -> None:
 
 def update_summary(path: Path, figures: Mapping[str, Mapping[str, float | str]]) -> None:
     """Put ``figures`` into an existing ``summary.json``, first those that were not there."""
-    content = json.loads(path.read_text(encoding="utf-8"))
+    content = read_summary_file(path)
     if any(content.get(name) != figure for name, figure in figures.items()):
         write_json(path, {**figures, **content, **figures})
 

@@ -9,6 +9,8 @@ from enum import Enum
 from pathlib import Path
 from typing import Any
 
+import tomli_w
+
 from pfemcut.case.check import warnings
 from pfemcut.case.load import AnyCase, AnyMaterial, CaseError, directed, replaced, resolved_toml, validated
 from pfemcut.case.schema import Case
@@ -155,7 +157,8 @@ def _state(variant: Prepared) -> State:
 def _stored(variant: Prepared) -> str:
     """The resolved case of the run in the variant's folder; empty without one."""
     path = variant.directory / INPUTS
-    return path.read_text(encoding="utf-8") if path.is_file() else ""
+    # Read by the one who says what is wrong with a damaged file.
+    return tomli_w.dumps(read_toml(path)) if path.is_file() else ""
 
 
 def _table(variant: Prepared) -> Mapping[str, Any]:

@@ -17,10 +17,13 @@ from pfemcut.ranks import Ranks
 from pfemcut.results.checkpoint import NAME, PREVIOUS
 from pfemcut.results.history import read_table
 from pfemcut.results.summary import Summary
+from pfemcut.results.summary_file import SummaryError, read_summary_file, required
 from pfemcut.validation.provenance import provenance
 from pfemcut.whole_files import write_json
 
 SESSIONS = "sessions.json"
+NEEDED = ("finished", "ending", "warnings", "steady", "steps", "wall_time", "window", "travel")
+"""What all summaries have."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +94,15 @@ def record_case(
 def sessions(directory: Path) -> list[dict[str, Any]]:
     """The sessions noted in ``directory``."""
     path = directory / SESSIONS
-    return list(json.loads(path.read_text(encoding="utf-8"))) if path.exists() else []
+    if not path.is_file():
+        return []
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
+        raise SummaryError(f"{path}: damaged: {error}") from error
+    if not isinstance(found, list) or not all(isinstance(each, dict) for each in found):
+        raise SummaryError(f"{path}: damaged: is no list of sessions")
+    return found
 
 
 def is_finished(directory: Path) -> bool:
@@ -100,8 +111,16 @@ def is_finished(directory: Path) -> bool:
 
 
 def read_summary(directory: Path) -> dict[str, Any]:
-    """Content of the run's ``summary.json``."""
-    return dict(json.loads((directory / SUMMARY).read_text(encoding="utf-8")))
+    """Content of the run's ``summary.json``.
+
+    Raises
+    ------
+    SummaryError
+        If it is damaged.
+    """
+    content = read_summary_file(directory / SUMMARY)
+    required(content, directory / SUMMARY, *NEEDED)
+    return content
 
 
 def read_history(directory: Path) -> Mapping[str, NDArray[Any]]:

@@ -52,6 +52,8 @@ class TableTail:
         except FileNotFoundError:
             self._forget()
             return
+        except OSError as error:
+            raise HistoryError(f"{self._path}: can't be read: {error.strerror}") from error
         # A half-written last line is read next time.
         new = new[: new.rfind(b"\n") + 1]
         lines = new.splitlines(keepends=True)

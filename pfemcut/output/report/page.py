@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import io
-import json
 import math
 import time
 import tomllib
@@ -40,6 +39,7 @@ from pfemcut.output.surface_pictures import write_surface_pictures
 from pfemcut.output.vtu import FieldsError, read_last_frame
 from pfemcut.results.derived.steady_window import SteadyWindow, steady_window
 from pfemcut.results.history import HistoryError, read_table
+from pfemcut.results.summary_file import read_summary_file, required
 from pfemcut.whole_files import write_text
 
 Array = NDArray[np.float64]
@@ -216,16 +216,18 @@ def _data(media: str, content: bytes) -> str:
 
 def _summary(directory: Path) -> dict[str, Any]:
     path = directory / SUMMARY
-    try:
-        found = json.loads(_text(path))
-    except json.JSONDecodeError as error:
-        raise OutputError(f"{path}: damaged ({error})") from error
-    return dict(found)
+    found = read_summary_file(path)
+    required(
+        found, path, "title", "finished", "ending", "warnings", "steps", "wall_time", "travel", "versions"
+    )
+    return found
 
 
 def _text(path: Path) -> str:
     try:
         return path.read_text(encoding="utf-8")
+    except ValueError as error:
+        raise OutputError(f"{path}: damaged: {error}") from error
     except OSError as error:
         raise OutputError(
             f"{path}: can't be read: {error.strerror}; is this the directory of a run?"
