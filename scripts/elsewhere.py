@@ -5,7 +5,8 @@ python scripts/elsewhere.py wheels [COMMAND ...]       Debian 13's Python with d
 python scripts/elsewhere.py container [COMMAND ...]    the steps of the Containerfile, one by one, without an engine
 
 The commands start in a copy of this tree as an ordinary user (``make test`` if none is given); in the container they
-are arguments of ``pfemcut`` and start in an empty folder, as a user whom the image doesn't know.
+are arguments of ``pfemcut`` (a short cut if none are given) and start in an empty folder, as a user whom the image
+doesn't know.
 
 Needs root, debootstrap, and Debian's keyring (package debian-archive-keyring, of 2023 or later) on a system with apt.
 The mirror is that of this system's apt (or ``--mirror``), pip's index and the certificates are this system's too.
@@ -38,7 +39,11 @@ PASSED_ON = (
     "PIP_TRUSTED_HOST",
 )
 PATH = "/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin"
-STRANGER = "12345"  # an id of which a container's list of users knows nothing
+STRANGER = 12345  # an id of which a container's list of users knows nothing
+CUT = (
+    ("examples", "--copy", "aisi4340_demo", "."),
+    ("run", "case.toml", "-o", "out", "--travel", "0.01 mm"),
+)
 # Everything that is mounted goes with the name space, also if this is killed.
 CHROOT = """\
 mount --make-rprivate /
@@ -65,7 +70,7 @@ def main() -> int:
     root = new_root(options.roots.resolve(), options.system, options.mirror)
     prepare(root)
     if options.system == "container":
-        return container(root, options.command or ["--version"])
+        return container(root, [options.command] if options.command else CUT)
     return tested(root, options.system, options.command or ["make", "test"])
 
 
@@ -186,8 +191,8 @@ class Image:
     variables: dict[str, str] = field(default_factory=dict)
 
 
-def container(root: Path, arguments: Sequence[str]) -> int:
-    """Take the steps of the Containerfile in a root, then run pfemcut as an engine would with ``--user``."""
+def container(root: Path, calls: Sequence[Sequence[str]]) -> int:
+    """Take the steps of the Containerfile in a root, then call pfemcut as an engine would with ``--user``."""
     image = Image()
     lines = (HERE / "Containerfile").read_text(encoding="utf-8").replace("\\\n", "").splitlines()
     for line in (line for line in lines if line and not line.startswith("#")):
@@ -210,11 +215,17 @@ def container(root: Path, arguments: Sequence[str]) -> int:
     (root / ".complete").touch()
     # Stands for the folder that `--volume` mounts.
     cases = root / image.folder[1:]
-    cases.chmod(0o777)
-    command = shlex.join(["pfemcut", *arguments])
-    say(f"{command} as user {STRANGER}")
-    image.user = STRANGER
-    return inside_image(root, image, command)
+    shutil.rmtree(cases)
+    cases.mkdir()
+    os.chown(cases, STRANGER, STRANGER)
+    image.user = str(STRANGER)
+    for arguments in calls:
+        command = shlex.join(["pfemcut", *arguments])
+        say(f"{command} as user {STRANGER}")
+        status = inside_image(root, image, command)
+        if status != 0:
+            return status
+    return 0
 
 
 def inside_image(root: Path, image: Image, command: str) -> int:

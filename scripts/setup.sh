@@ -18,7 +18,7 @@ if [ "$DOLFINX" = debian ]; then
         python3-h5py python3-numba python3-scipy
     )
 else
-    packages+=(libglu1-mesa libxcursor1 libxft2 libxinerama1 libxrender1)
+    packages+=(libgl1 libglu1-mesa libxcursor1 libxft2 libxinerama1 libxrender1)
 fi
 command -v dpkg-query >/dev/null || fail "needs Debian 12 or 13 or a system with its packages (no dpkg-query here)"
 missing=()

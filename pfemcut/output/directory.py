@@ -97,7 +97,7 @@ def writing(directory: Path) -> Iterator[None]:
     try:
         yield
     except ValueError as error:
-        if "null byte" not in str(error):
+        if "embedded null" not in str(error):
             raise
         raise OutputError(f"{str(directory)!r}: can't be written: its name has a zero byte") from error
     except OSError as error:

@@ -1,7 +1,7 @@
 """Cook's membrane, neo-Hookean, with Taylor-Hood elements in dolfinx: the reference for the finite-strain case.
 
 Total Lagrangian, quadratic displacement and linear pressure, the same energy as the solver under test:
-W = mu/2 (tr b_iso - 3) + kappa/2 ln² J. Run as a script it writes ``reference/neo_hookean.csv``.
+W = mu/2 (tr b_iso - 3) + kappa/2 ln² J. Run as a script, with dolfinx 0.5, it writes ``reference/neo_hookean.csv``.
 """
 
 from __future__ import annotations

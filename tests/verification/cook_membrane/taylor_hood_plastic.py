@@ -74,7 +74,8 @@ class Membrane:
         points, weights = _triangle_rule()
         x = self.nodes[self.cells[:, :3]]
         edge = np.roll(x, -2, axis=1) - np.roll(x, -1, axis=1)
-        twice_area = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
+        (ax, ay), (bx, by) = (x[:, 1] - x[:, 0]).T, (x[:, 2] - x[:, 0]).T
+        twice_area = ax * by - ay * bx
         slope = np.stack([-edge[..., 1], edge[..., 0]], axis=2) / twice_area[:, None, None]
         self.weight = 0.5 * twice_area[:, None] * weights
         self.linear = points
