@@ -111,7 +111,8 @@ def main() -> None:
     for label, options in (
         ("tlsph, 1 % of the speed of sound", {"speed": 0.01}),
         ("tlsph, 5 % of the speed of sound", {"speed": 0.05}),
-        ("esph", {"method": "esph"}),
+        ("esph, artificial pressure 0.3", {"method": "esph"}),
+        ("esph without it", {"method": "esph", "artificial_pressure": 0.0}),
     ):
         period = stepped_period(8, **options)  # type: ignore[arg-type]
         rows.append(
