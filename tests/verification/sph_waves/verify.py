@@ -108,6 +108,8 @@ def main() -> None:
         axis.loglog(COUNTS, [abs(row["error_%"]) for row in part], "o-", label=name)
     axis.loglog(COUNTS, [100.0 / n**2 for n in COUNTS], "k:", label="second order")
     axis.set(xlabel="particles along the bar", ylabel="error of the period (%)")
+    axis.set_xticks(COUNTS, [str(count) for count in COUNTS])
+    axis.minorticks_off()
     axis.legend(fontsize=7)
     save_picture(FOLDER, figure)
 
