@@ -53,6 +53,14 @@ GROUPS = {
         "two_body_heat",
     ),
     "Remeshing": ("transfer",),
+    "Particles without a mesh (SPH)": (
+        "sph_exactness",
+        "sph_waves",
+        "sph_plate",
+        "sph_tension",
+        "sph_point",
+        "sph_heat",
+    ),
 }
 HEAD = "| Figure | Computed | Reference | Difference |\n|---|---|---|---|"
 

@@ -56,5 +56,9 @@ def _figures(problem: ParticleProblem) -> list[tuple[str, str]]:
             for body in problem.bodies
         ),
         ("spacing", f"{smoothing.spacing:g} mm, h {smoothing.smoothing_length:g} mm"),
+        (
+            "heat",
+            "conducted between particles" if problem.conduction else "stays where it arises (adiabatic)",
+        ),
         ("steps", f"about {time.end / step:.0f} of {step:.3g} s, in batches of {time.batch}"),
     ]

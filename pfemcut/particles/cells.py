@@ -65,12 +65,12 @@ def pairs_in_cells(points: Array, radius: float) -> tuple[IntArray, IntArray]:
     offsets = np.concatenate([[0], np.cumsum(counts)])
     indices = np.empty(int(offsets[-1]), dtype=np.int64)
     _rows(points, radius * radius, places, shape, members, starts, offsets, indices)
-    return offsets, indices
+    return offsets, _transposed(offsets, indices)
 
 
 @njit(parallel=True, cache=True)
 def _rows(points, square, places, shape, members, starts, offsets, indices):  # type: ignore[no-untyped-def]
-    """Number of neighbours of each particle; their indices too, sorted, if there are offsets to put them."""
+    """Number of neighbours of each particle; their indices too, by cells, if there are offsets to put them."""
     count, dimension = points.shape
     counts = np.zeros(count, dtype=np.int64)
     for i in prange(count):
@@ -89,6 +89,16 @@ def _rows(points, square, places, shape, members, starts, offsets, indices):  # 
                                 indices[offsets[i] + found] = j
                             found += 1
         counts[i] = found
-        if len(offsets):
-            indices[offsets[i] : offsets[i + 1]] = np.sort(indices[offsets[i] : offsets[i + 1]])
     return counts
+
+
+@njit(cache=True)
+def _transposed(offsets, indices):  # type: ignore[no-untyped-def]
+    """The rows seen from the other side: the same pairs, now in order, several times as fast as by sorting each row."""
+    place, other = offsets[:-1].copy(), np.empty_like(indices)
+    for i in range(len(offsets) - 1):
+        for k in range(offsets[i], offsets[i + 1]):
+            j = indices[k]
+            other[place[j]] = i
+            place[j] += 1
+    return other

@@ -129,6 +129,8 @@ def main() -> None:
             COURANT, [row["energy_error_%"] for row in part], mark + "--", label=f"{method}, whole balance"
         )
     axis.set(xlabel="Courant number", ylabel="error of energy (%)", title="Taylor bar")
+    axis.set_xticks(COURANT, [str(each) for each in COURANT])
+    axis.minorticks_off()
     axis.legend(fontsize=7)
     save_picture(FOLDER, figure)
 

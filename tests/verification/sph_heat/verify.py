@@ -99,6 +99,8 @@ def main() -> None:
             label=label,
         )
     axes[0].set(xlabel="particles along the rod", ylabel="error of the rate of decay (%)")
+    axes[0].set_xticks(COUNTS, [str(count) for count in COUNTS])
+    axes[0].minorticks_off()
     axes[0].legend(fontsize=7)
     errors = []
     for count in (20, 40, 80):

@@ -30,14 +30,15 @@ def frequency(
     smoothing: float = 1.5,
     corrected: bool = True,
     control: float = 0.1,
+    clamped: bool = True,
     near: float,
 ) -> float:
-    """Angular frequency ``near`` a given one, of a plate held at x < 0, with ``across`` particles in its thickness.
+    """Angular frequency ``near`` a given one, of a plate held at x < 0 or free, with ``across`` particles across.
 
     ``smoothing`` is h over the spacing, ``control`` the springs' modulus over Young's.
     """
     spacing = thickness / across
-    low, high = np.array([-CLAMP * spacing, 0.0]), np.array([length, thickness])
+    low, high = np.array([-CLAMP * spacing if clamped else 0.0, 0.0]), np.array([length, thickness])
     points, volume = box_lattice(low, high, spacing)
     count = len(points)
     body = np.zeros(count, dtype=np.int64)

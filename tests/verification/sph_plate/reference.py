@@ -29,12 +29,13 @@ def ritz(
     young: float,
     poisson: float,
     density: float,
+    clamped: bool = True,
     degrees: tuple[int, int] = (24, 6),
 ) -> float:
-    """Angular frequency of the first mode, clamped at x = 0; an upper bound that falls with the ``degrees``."""
+    """Angular frequency of the first mode, clamped at x = 0 or free; an upper bound that falls with the ``degrees``."""
     lame = young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson))
     shear = 0.5 * young / (1.0 + poisson)
-    mx, kx, cx = _matrices(degrees[0], length, clamped=True)
+    mx, kx, cx = _matrices(degrees[0], length, clamped)
     my, ky, cy = _matrices(degrees[1], thickness, clamped=False)
     mixed = lame * np.kron(cx, cy.T) + shear * np.kron(cx.T, cy)
     axial = lame + 2.0 * shear
@@ -45,7 +46,8 @@ def ritz(
         ]
     )
     mass = density * block_diag(np.kron(mx, my), np.kron(mx, my))
-    return float(np.sqrt(eigh(stiffness, mass, eigvals_only=True, subset_by_index=[0, 0])[0]))
+    first = 0 if clamped else 3  # a free plate moves as a rigid body in three ways
+    return float(np.sqrt(eigh(stiffness, mass, eigvals_only=True, subset_by_index=[first, first])[0]))
 
 
 def _matrices(degree: int, length: float, clamped: bool) -> tuple[Array, Array, Array]:

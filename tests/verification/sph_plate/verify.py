@@ -21,14 +21,15 @@ FOLDER = Path(__file__).parent
 YOUNG, POISSON, DENSITY = 200e3, 0.3975, 7.8e-9
 LENGTH, THICKNESS = 10.0, 1.0
 PLATE = (LENGTH, THICKNESS, YOUNG, POISSON, DENSITY)
-EXACT = ritz(*PLATE)
+EXACT, EXACT_FREE = ritz(*PLATE), ritz(*PLATE, clamped=False)
 COUNTS = (4, 6, 8, 12, 16, 24)
 STEPPED = (4, 6, 8, 12)
 
 
 def linear_error(across: int, **controls: Any) -> float:
     """Period of small vibrations over that of plane elasticity, less one."""
-    return EXACT / frequency(*PLATE, across=across, near=EXACT, **controls) - 1.0
+    exact = EXACT if controls.get("clamped", True) else EXACT_FREE
+    return exact / frequency(*PLATE, across=across, near=exact, **controls) - 1.0
 
 
 def stepped_period(across: int, method: str = "tlsph", speed: float = 1e-4, **particles: Any) -> float:
@@ -76,12 +77,20 @@ def main() -> None:
     exact = 2.0 * np.pi / EXACT
     thin = 2.0 * np.pi / thin_plate(*PLATE)
     rows: list[dict[str, Any]] = []
-    for smoothing, corrected in ((1.5, True), (1.2, True), (2.0, True), (1.5, False)):
-        errors = [linear_error(n, smoothing=smoothing, corrected=corrected) for n in COUNTS]
+    kinds: list[tuple[str, float, dict[str, Any]]] = [
+        ("small vibrations", 1.5, {}),
+        ("small vibrations", 1.2, {}),
+        ("small vibrations", 2.0, {}),
+        ("small vibrations, not corrected", 1.5, {"corrected": False}),
+        ("small vibrations, free plate", 1.5, {"clamped": False}),
+        ("small vibrations, stiffer control", 1.5, {"control": 0.5}),
+    ]
+    for name, smoothing, options in kinds:
+        errors = [linear_error(n, smoothing=smoothing, **options) for n in COUNTS]
         for n, error, order in zip(COUNTS, errors, orders([1.0 / n for n in COUNTS], errors), strict=True):
             rows.append(
                 {
-                    "run": "small vibrations" + ("" if corrected else ", not corrected"),
+                    "run": name,
                     "across": n,
                     "h_over_spacing": smoothing,
                     "period_error_%": 100.0 * error,
@@ -102,7 +111,8 @@ def main() -> None:
     for label, options in (
         ("tlsph, 1 % of the speed of sound", {"speed": 0.01}),
         ("tlsph, 5 % of the speed of sound", {"speed": 0.05}),
-        ("esph", {"method": "esph"}),
+        ("esph, artificial pressure 0.3", {"method": "esph"}),
+        ("esph without it", {"method": "esph", "artificial_pressure": 0.0}),
     ):
         period = stepped_period(8, **options)  # type: ignore[arg-type]
         rows.append(
@@ -128,6 +138,9 @@ def main() -> None:
             "plane_elasticity_period_s": exact,
             "thin_plate_error": thin / exact - 1.0,
             "small_vibrations": small,
+            "free_plate": {
+                str(row["across"]): row for row in rows if row["run"] == "small vibrations, free plate"
+            },
             "in_time": in_time,
         },
     )
@@ -138,6 +151,9 @@ def main() -> None:
         axis.loglog(
             size, [r["period_error_%"] for r in part], mark + "-", ms=4, label=f"h = {smoothing} spacings"
         )
+    part = [r for r in rows if r["run"] == "small vibrations, free plate"]
+    size = [1.5 / r["across"] for r in part]
+    axis.loglog(size, [r["period_error_%"] for r in part], "s--", ms=4, label="h = 1.5 spacings, free plate")
     axis.loglog(
         [1.5 / n for n in STEPPED], [r["period_error_%"] for r in in_time.values()], "k+", label="in time"
     )

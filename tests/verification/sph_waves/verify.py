@@ -10,11 +10,13 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from pfemcut.particles.integrate import advance, initial_state
+from pfemcut.particles.problem import ParticleProblem
 from pfemcut.sph.esph import Eulerian
 from pfemcut.sph.tlsph import TotalLagrangian
 from tests.particle_problems import ELASTIC, block, moving
 
 from ..common import Array, orders, save_picture, write_results
+from .integrators import compared
 
 FOLDER = Path(__file__).parent
 LENGTH = 4.0
@@ -44,8 +46,8 @@ class Wave:
         return 2.0 * float(zeros[1] - zeros[0])
 
 
-def wave(count: int, periods: float = 1.1, **particles: Any) -> Wave:
-    """A bar of ``count`` particles along its length and four across, which is held across; nu = 0, no viscosity."""
+def bar(count: int, **particles: Any) -> ParticleProblem:
+    """``count`` particles along its length and four across, held across; nu = 0, no viscosity; in its longest mode."""
     spacing = LENGTH / count
     hold = [{"box": [[0.0, 0.0], [LENGTH, 4.0 * spacing]], "axes": "y"}]
     plain = block(
@@ -60,7 +62,13 @@ def wave(count: int, periods: float = 1.1, **particles: Any) -> Wave:
         **particles,
     )
     mode = np.cos(np.pi * plain.points[:, 0] / LENGTH)
-    problem = moving(plain, lambda x: np.column_stack([1e3 * mode, 0.0 * mode]))
+    return moving(plain, lambda x: np.column_stack([1e3 * mode, 0.0 * mode]))
+
+
+def wave(count: int, periods: float = 1.1, **particles: Any) -> Wave:
+    """The bar's vibration over some periods."""
+    problem = bar(count, **particles)
+    mode = problem.velocities[:, 0] / 1e3
     model: Any = (TotalLagrangian if particles["method"] == "tlsph" else Eulerian)(problem)
     state: Any = initial_state(model)
     times, amplitude = [0.0], [1.0]
@@ -90,13 +98,18 @@ def main() -> None:
             )
             print(rows[-1])
     finest = {row["variant"]: row for row in rows if row["particles_along"] == 40}
-    write_results(FOLDER, rows, {"exact_period_s": PERIOD, "with_40": finest})
+    schemes = compared(lambda **controls: bar(20, method="tlsph", zero_energy=0.0, **controls), PERIOD)
+    write_results(
+        FOLDER, rows, {"exact_period_s": PERIOD, "with_40": finest, "energy_after_20_periods": schemes}
+    )
     figure, axis = plt.subplots(figsize=(4.6, 3.4), layout="constrained")
     for name in VARIANTS:
         part = [row for row in rows if row["variant"] == name]
         axis.loglog(COUNTS, [abs(row["error_%"]) for row in part], "o-", label=name)
     axis.loglog(COUNTS, [100.0 / n**2 for n in COUNTS], "k:", label="second order")
     axis.set(xlabel="particles along the bar", ylabel="error of the period (%)")
+    axis.set_xticks(COUNTS, [str(count) for count in COUNTS])
+    axis.minorticks_off()
     axis.legend(fontsize=7)
     save_picture(FOLDER, figure)
 
