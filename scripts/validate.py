@@ -56,8 +56,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
             for process in running:
                 process.wait()
             return 130
-    for page in ("results_table.py", "predictions_tables.py", "verification_page.py", "validation_page.py"):
-        subprocess.run([sys.executable, str(ROOT / "scripts" / page)], check=True)
+    pages = (
+        "results_table",
+        "predictions_tables",
+        "particles_tables",
+        "verification_page",
+        "validation_page",
+    )
+    for page in pages:
+        subprocess.run([sys.executable, str(ROOT / "scripts" / f"{page}.py")], check=True)
     return max(results)
 
 
