@@ -3,8 +3,8 @@
     python demos/lamina/run.py [-o DIR] [--resume | --overwrite] [NAME ...]
 
 Runs those of runs.toml (all, or those named or in a group named), measures cracks, moduli and loads, and writes them
-with damage maps into results/. The status is 0 if all targets of the runs asked for are met: moduli within 3 % of laminate
-theory, cracks within 5 degrees of the fibre, starts of cracks at the tips of line cracks.
+with damage maps into results/. The status is 0 if all targets of the runs asked for are met: moduli within 3 % of
+laminate theory, cracks within 5 degrees of the fibre, starts of cracks at the tips of line cracks.
 """
 
 from __future__ import annotations
