@@ -21,11 +21,13 @@ from pfemcut.particles.stress import (
     updated,
     von_mises,
 )
+from pfemcut.sph.damping import Springs, carried, damping_force, hidden_strain
 from pfemcut.sph.reference import Reference, reference_of
-from pfemcut.sph.total_lagrangian import damping_force, deformation_gradient, internal_force
+from pfemcut.sph.total_lagrangian import deformation_gradient, internal_force
 
 Array = NDArray[np.float64]
 SPACING, SMOOTHING = 0.1, 0.15
+CONTROL_ALONE = (SMOOTHING, 0.0, 0.0, 5e6, 1e4)
 
 
 def irregular(dimension: int, seed: int = 1) -> tuple[Array, Array]:
@@ -40,6 +42,11 @@ def irregular(dimension: int, seed: int = 1) -> tuple[Array, Array]:
 def reference(dimension: int, corrected: bool = True) -> Reference:
     points, volume = irregular(dimension)
     return reference_of(points, volume, np.zeros(len(points), dtype=np.int64), SMOOTHING, corrected)
+
+
+def relaxed(body: Reference) -> Springs:
+    """Springs without slip that are strong enough for everything."""
+    return Springs(np.zeros(len(body.kernel)), np.full(len(body.points), np.inf))
 
 
 @pytest.mark.parametrize("dimension", [1, 2, 3])
@@ -119,9 +126,12 @@ def test_all_forces_conserve_momentum_and_damping_angular_momentum(dimension: in
     velocities = random.normal(size=positions.shape)
     gradient = deformation_gradient(body, positions)
     mass = 7.8e-9 * body.volume
-    viscous, control = damping_force(
-        body, positions, velocities, gradient, mass, np.full(count, 7.8e-9), (SMOOTHING, 1.0, 1.0, 5e6, 1e4)
+    springs = Springs(relaxed(body).slip, random.uniform(0.0, 0.02, count))
+    density = np.full(count, 7.8e-9)
+    viscous, control, slip = damping_force(
+        body, positions, velocities, gradient, mass, density, springs, (SMOOTHING, 1.0, 1.0, 5e6, 1e4)
     )
+    assert (slip == slip[body.neighbours.reverse]).all()
     internal = internal_force(body, random.normal(size=(count, dimension, dimension)))
     for force in (viscous, control, internal):
         assert np.abs(force).max() > 0.0
@@ -139,11 +149,57 @@ def test_zero_energy_control_does_not_resist_what_gradients_see() -> None:
     gradient = deformation_gradient(body, positions)
     mass = 7.8e-9 * body.volume
     rest = np.zeros_like(positions)
-    constants = (SMOOTHING, 0.0, 0.0, 5e6, 1e4)
-    _, control = damping_force(body, positions, rest, gradient, mass, mass / body.volume, constants)
+    _, control, _ = damping_force(
+        body, positions, rest, gradient, mass, mass / body.volume, relaxed(body), CONTROL_ALONE
+    )
     positions[20] += 0.01
-    _, shifted = damping_force(body, positions, rest, gradient, mass, mass / body.volume, constants)
+    _, shifted, _ = damping_force(
+        body, positions, rest, gradient, mass, mass / body.volume, relaxed(body), CONTROL_ALONE
+    )
     assert np.abs(control).max() < 1e-10 * np.abs(shifted).max()
+
+
+def test_springs_of_the_control_slip_at_their_limit() -> None:
+    """Strain of each spring is what is hidden, cut at the smaller limit of the two; the rest has slipped, to 1e-14."""
+    body = reference(2)
+    random = np.random.default_rng(5)
+    positions = body.points + 0.01 * random.normal(size=body.points.shape)
+    gradient = deformation_gradient(body, positions)
+    limit = np.where(random.uniform(size=len(positions)) < 0.3, np.inf, 0.01)
+    slip = 0.01 * random.normal(size=len(body.kernel))
+    mass = 7.8e-9 * body.volume
+    rest = np.zeros_like(positions)
+    _, control, new = damping_force(
+        body, positions, rest, gradient, mass, mass / body.volume, Springs(slip, limit), CONTROL_ALONE
+    )
+    hidden = hidden_strain(body, positions, gradient)
+    rows = body.neighbours
+    most = np.minimum(limit[rows.owners], limit[rows.indices])
+    strain = np.clip(hidden - slip, -most, most)
+    assert (np.abs(hidden - slip) > most).any()
+    assert np.abs(hidden - new - strain).max() < 1e-14
+    now = positions[rows.indices] - positions[rows.owners]
+    far = np.linalg.norm(body.points[rows.indices] - body.points[rows.owners], axis=1)
+    size = (
+        CONTROL_ALONE[-1] * body.volume[rows.owners] * body.volume[rows.indices] * body.kernel * strain / far
+    )
+    pull = size[:, None] * now / np.linalg.norm(now, axis=1)[:, None]
+    total = np.column_stack([np.bincount(rows.owners, pull[:, axis]) for axis in range(2)])
+    assert np.abs(control - total).max() < 1e-12 * np.abs(total).max()
+
+
+def test_pairs_keep_their_values_among_new_neighbours() -> None:
+    random = np.random.default_rng(6)
+    points = random.uniform(size=(60, 2))
+    group = np.zeros(60, dtype=np.int64)
+    old, new = neighbours_within(points, 0.3, group), neighbours_within(points, 0.25, group)
+    other = neighbours_within(points + 0.05 * random.normal(size=points.shape), 0.3, group)
+    values = random.normal(size=len(old.indices))
+    for rows in (new, other, old, neighbours_within(points, 1e-9, group)):
+        table = dict(zip(zip(old.owners, old.indices, strict=True), values, strict=True))
+        expected = [table.get(pair, 0.0) for pair in zip(rows.owners, rows.indices, strict=True)]
+        assert (carried(values, old, rows) == expected).all()
+    assert (carried(values[:0], neighbours_within(points, 1e-9, group), old) == 0.0).all()
 
 
 @pytest.mark.parametrize("dimension", [2, 3])

@@ -1,7 +1,8 @@
 """Kernel sums over present neighbours: velocity gradient, forces of stress, viscosity and artificial pressure.
 
 Each loop gathers into its own particle's row, in the order of the neighbours, so results do not depend on the number
-of threads. The gradient of the kernel at particle i is |dW/dr| / r (x_j - x_i): it points to the neighbour.
+of threads. Two and three dimensions are written out apart: the sums then stay in registers. The gradient of the kernel
+at particle i is |dW/dr| / r (x_j - x_i): it points to the neighbour.
 """
 
 from __future__ import annotations
@@ -41,31 +42,82 @@ def velocity_sums(
     Both sums (1/s and dimensionless), shape (n, d, d).
     """
     scale = normalisation(smoothing_length, positions.shape[1]) / smoothing_length
-    rates, moments = _velocity_sums(
+    sums = _velocity_sums_2d if positions.shape[1] == 2 else _velocity_sums_3d
+    rates, moments = sums(
         neighbours.offsets, neighbours.indices, positions, velocities, volume, smoothing_length, scale
     )
     return rates, moments
 
 
 @njit(parallel=True, cache=True)
-def _velocity_sums(offsets, indices, positions, velocities, volume, smoothing, scale):  # type: ignore[no-untyped-def]
-    count, dimension = positions.shape
-    rates, moments = np.zeros((count, dimension, dimension)), np.zeros((count, dimension, dimension))
+def _velocity_sums_2d(offsets, indices, positions, velocities, volume, smoothing, scale):  # type: ignore[no-untyped-def]
+    count = len(positions)
+    rates, moments = np.empty((count, 2, 2)), np.empty((count, 2, 2))
     reach = (2.0 * smoothing) ** 2
     for i in prange(count):
+        lxx = lxy = lyx = lyy = 0.0
+        kxx = kxy = kyy = 0.0
         for k in range(offsets[i], offsets[i + 1]):
             j = indices[k]
-            square = 0.0
-            for a in range(dimension):
-                square += (positions[j, a] - positions[i, a]) ** 2
+            x, y = positions[j, 0] - positions[i, 0], positions[j, 1] - positions[i, 1]
+            square = x * x + y * y
             if square < reach:
                 distance = np.sqrt(square)
                 weight = -volume[j] * scale * shape_slope(distance / smoothing) / distance
-                for b in range(dimension):
-                    gradient = weight * (positions[j, b] - positions[i, b])
-                    for a in range(dimension):
-                        rates[i, a, b] += (velocities[j, a] - velocities[i, a]) * gradient
-                        moments[i, a, b] += (positions[j, a] - positions[i, a]) * gradient
+                gx, gy = weight * x, weight * y
+                vx, vy = velocities[j, 0] - velocities[i, 0], velocities[j, 1] - velocities[i, 1]
+                lxx += vx * gx
+                lxy += vx * gy
+                lyx += vy * gx
+                lyy += vy * gy
+                kxx += x * gx
+                kxy += x * gy
+                kyy += y * gy
+        rates[i, 0, 0], rates[i, 0, 1], rates[i, 1, 0], rates[i, 1, 1] = lxx, lxy, lyx, lyy
+        moments[i, 0, 0], moments[i, 0, 1], moments[i, 1, 0], moments[i, 1, 1] = kxx, kxy, kxy, kyy
+    return rates, moments
+
+
+@njit(parallel=True, cache=True)
+def _velocity_sums_3d(offsets, indices, positions, velocities, volume, smoothing, scale):  # type: ignore[no-untyped-def]
+    count = len(positions)
+    rates, moments = np.empty((count, 3, 3)), np.empty((count, 3, 3))
+    reach = (2.0 * smoothing) ** 2
+    for i in prange(count):
+        lxx = lxy = lxz = lyx = lyy = lyz = lzx = lzy = lzz = 0.0
+        kxx = kxy = kxz = kyy = kyz = kzz = 0.0
+        for k in range(offsets[i], offsets[i + 1]):
+            j = indices[k]
+            x, y = positions[j, 0] - positions[i, 0], positions[j, 1] - positions[i, 1]
+            z = positions[j, 2] - positions[i, 2]
+            square = x * x + y * y + z * z
+            if square < reach:
+                distance = np.sqrt(square)
+                weight = -volume[j] * scale * shape_slope(distance / smoothing) / distance
+                gx, gy, gz = weight * x, weight * y, weight * z
+                vx, vy = velocities[j, 0] - velocities[i, 0], velocities[j, 1] - velocities[i, 1]
+                vz = velocities[j, 2] - velocities[i, 2]
+                lxx += vx * gx
+                lxy += vx * gy
+                lxz += vx * gz
+                lyx += vy * gx
+                lyy += vy * gy
+                lyz += vy * gz
+                lzx += vz * gx
+                lzy += vz * gy
+                lzz += vz * gz
+                kxx += x * gx
+                kxy += x * gy
+                kxz += x * gz
+                kyy += y * gy
+                kyz += y * gz
+                kzz += z * gz
+        rates[i, 0, 0], rates[i, 0, 1], rates[i, 0, 2] = lxx, lxy, lxz
+        rates[i, 1, 0], rates[i, 1, 1], rates[i, 1, 2] = lyx, lyy, lyz
+        rates[i, 2, 0], rates[i, 2, 1], rates[i, 2, 2] = lzx, lzy, lzz
+        moments[i, 0, 0], moments[i, 0, 1], moments[i, 0, 2] = kxx, kxy, kxz
+        moments[i, 1, 0], moments[i, 1, 1], moments[i, 1, 2] = kxy, kyy, kyz
+        moments[i, 2, 0], moments[i, 2, 1], moments[i, 2, 2] = kxz, kyz, kzz
     return rates, moments
 
 
@@ -131,7 +183,8 @@ def pair_forces(
     at_spacing = shape(dp / h)
     exponent = shape(0.0) / at_spacing if at_spacing > 0.0 else 0.0
     squared = density * density
-    internal, viscous, repulsive = _pair_forces(
+    forces = _pair_forces_2d if dimension == 2 else _pair_forces_3d
+    internal, viscous, repulsive = forces(
         neighbours.offsets,
         neighbours.indices,
         positions,
@@ -148,41 +201,109 @@ def pair_forces(
 
 
 @njit(parallel=True, cache=True)
-def _pair_forces(  # type: ignore[no-untyped-def]
+def _pair_forces_2d(  # type: ignore[no-untyped-def]
     offsets, indices, positions, velocities, mass, density, stress, pressure, viscosity, artificial, scale
 ):
-    smoothing, alpha, beta, sound = viscosity
-    gamma, at_spacing, exponent = artificial
-    count, dimension = positions.shape
-    internal = np.zeros((count, dimension))
-    viscous, repulsive = np.zeros((count, dimension)), np.zeros((count, dimension))
+    smoothing = viscosity[0]
+    count = len(positions)
+    internal, viscous, repulsive = np.empty((count, 2)), np.empty((count, 2)), np.empty((count, 2))
     reach = (2.0 * smoothing) ** 2
     for i in prange(count):
+        fx = fy = vx = vy = rx = ry = 0.0
         for k in range(offsets[i], offsets[i + 1]):
             j = indices[k]
-            square, closing = 0.0, 0.0
-            for a in range(dimension):
-                x = positions[j, a] - positions[i, a]
-                square += x * x
-                closing += x * (velocities[j, a] - velocities[i, a])
+            x, y = positions[j, 0] - positions[i, 0], positions[j, 1] - positions[i, 1]
+            square = x * x + y * y
             if square < reach:
                 distance = np.sqrt(square)
                 weight = -mass[i] * mass[j] * scale * shape_slope(distance / smoothing) / distance
-                for a in range(dimension):
-                    for b in range(dimension):
-                        gradient = weight * (positions[j, b] - positions[i, b])
-                        internal[i, a] += (stress[i, a, b] + stress[j, a, b]) * gradient
+                gx, gy = weight * x, weight * y
+                fx += (stress[i, 0, 0] + stress[j, 0, 0]) * gx + (stress[i, 0, 1] + stress[j, 0, 1]) * gy
+                fy += (stress[i, 1, 0] + stress[j, 1, 0]) * gx + (stress[i, 1, 1] + stress[j, 1, 1]) * gy
+                closing = x * (velocities[j, 0] - velocities[i, 0]) + y * (
+                    velocities[j, 1] - velocities[i, 1]
+                )
                 if closing < 0.0:
-                    mu = smoothing * closing / (square + 0.01 * smoothing * smoothing)
-                    push = (-alpha * sound + beta * mu) * mu / (0.5 * (density[i] + density[j]))
-                    for a in range(dimension):
-                        viscous[i, a] -= push * weight * (positions[j, a] - positions[i, a])
-                if gamma > 0.0 and (pressure[i] < 0.0 or pressure[j] < 0.0):
-                    push = gamma * (abs(pressure[i]) + abs(pressure[j]))
-                    push *= (shape(distance / smoothing) / at_spacing) ** exponent
-                    for a in range(dimension):
-                        repulsive[i, a] -= push * weight * (positions[j, a] - positions[i, a])
+                    push = _viscosity(viscosity, closing, square, density[i], density[j])
+                    vx -= push * gx
+                    vy -= push * gy
+                if artificial[0] > 0.0 and (pressure[i] < 0.0 or pressure[j] < 0.0):
+                    push = _artificial(artificial, distance / smoothing, pressure[i], pressure[j])
+                    rx -= push * gx
+                    ry -= push * gy
+        internal[i, 0], internal[i, 1] = fx, fy
+        viscous[i, 0], viscous[i, 1] = vx, vy
+        repulsive[i, 0], repulsive[i, 1] = rx, ry
     return internal, viscous, repulsive
+
+
+@njit(parallel=True, cache=True)
+def _pair_forces_3d(  # type: ignore[no-untyped-def]
+    offsets, indices, positions, velocities, mass, density, stress, pressure, viscosity, artificial, scale
+):
+    smoothing = viscosity[0]
+    count = len(positions)
+    internal, viscous, repulsive = np.empty((count, 3)), np.empty((count, 3)), np.empty((count, 3))
+    reach = (2.0 * smoothing) ** 2
+    for i in prange(count):
+        fx = fy = fz = vx = vy = vz = rx = ry = rz = 0.0
+        for k in range(offsets[i], offsets[i + 1]):
+            j = indices[k]
+            x, y = positions[j, 0] - positions[i, 0], positions[j, 1] - positions[i, 1]
+            z = positions[j, 2] - positions[i, 2]
+            square = x * x + y * y + z * z
+            if square < reach:
+                distance = np.sqrt(square)
+                weight = -mass[i] * mass[j] * scale * shape_slope(distance / smoothing) / distance
+                gx, gy, gz = weight * x, weight * y, weight * z
+                fx += (
+                    (stress[i, 0, 0] + stress[j, 0, 0]) * gx
+                    + (stress[i, 0, 1] + stress[j, 0, 1]) * gy
+                    + (stress[i, 0, 2] + stress[j, 0, 2]) * gz
+                )
+                fy += (
+                    (stress[i, 1, 0] + stress[j, 1, 0]) * gx
+                    + (stress[i, 1, 1] + stress[j, 1, 1]) * gy
+                    + (stress[i, 1, 2] + stress[j, 1, 2]) * gz
+                )
+                fz += (
+                    (stress[i, 2, 0] + stress[j, 2, 0]) * gx
+                    + (stress[i, 2, 1] + stress[j, 2, 1]) * gy
+                    + (stress[i, 2, 2] + stress[j, 2, 2]) * gz
+                )
+                closing = x * (velocities[j, 0] - velocities[i, 0]) + y * (
+                    velocities[j, 1] - velocities[i, 1]
+                )
+                closing += z * (velocities[j, 2] - velocities[i, 2])
+                if closing < 0.0:
+                    push = _viscosity(viscosity, closing, square, density[i], density[j])
+                    vx -= push * gx
+                    vy -= push * gy
+                    vz -= push * gz
+                if artificial[0] > 0.0 and (pressure[i] < 0.0 or pressure[j] < 0.0):
+                    push = _artificial(artificial, distance / smoothing, pressure[i], pressure[j])
+                    rx -= push * gx
+                    ry -= push * gy
+                    rz -= push * gz
+        internal[i, 0], internal[i, 1], internal[i, 2] = fx, fy, fz
+        viscous[i, 0], viscous[i, 1], viscous[i, 2] = vx, vy, vz
+        repulsive[i, 0], repulsive[i, 1], repulsive[i, 2] = rx, ry, rz
+    return internal, viscous, repulsive
+
+
+@njit(inline="always")
+def _viscosity(constants, closing, square, density, other):  # type: ignore[no-untyped-def]
+    """Pi of a pair that approaches, from x·v, x² and both densities."""
+    smoothing, alpha, beta, sound = constants
+    mu = smoothing * closing / (square + 0.01 * smoothing * smoothing)
+    return (-alpha * sound + beta * mu) * mu / (0.5 * (density + other))
+
+
+@njit(inline="always")
+def _artificial(constants, q, pressure, other):  # type: ignore[no-untyped-def]
+    """P_a of a pair at a distance of q h, from both p / rho²."""
+    gamma, at_spacing, exponent = constants
+    return gamma * (abs(pressure) + abs(other)) * (shape(q) / at_spacing) ** exponent
 
 
 def support(smoothing_length: float) -> float:

@@ -1,7 +1,8 @@
 """Total-Lagrangian SPH: kernel sums over a reference configuration (Islam et al. 2019, section 2.2; Vignjevic 2006).
 
 Neighbours and kernel gradients are those of the reference, so there is no tensile instability. Where deformation is
-large the present configuration becomes the reference, with new neighbours.
+large the present configuration becomes the reference, with new neighbours; stress stays, and so does the strain of the
+springs that control zero-energy modes.
 """
 
 from __future__ import annotations
@@ -16,10 +17,11 @@ from pfemcut.particles.cells import NeighbourList
 from pfemcut.particles.formulation import Evaluation
 from pfemcut.particles.problem import ParticleProblem
 from pfemcut.particles.state import Arrays
-from pfemcut.particles.stress import PointState, cauchy_stress, linear_pressure, updated_bodies
+from pfemcut.particles.stress import PointState, cauchy_stress, linear_pressure, updated_bodies, von_mises
+from pfemcut.sph.damping import Springs, carried, damping_force, hidden_strain
 from pfemcut.sph.pinball import pinball_forces
 from pfemcut.sph.reference import Reference, reference_of
-from pfemcut.sph.total_lagrangian import damping_force, deformation_gradient, internal_force
+from pfemcut.sph.total_lagrangian import deformation_gradient, internal_force
 
 Array = NDArray[np.float64]
 
@@ -36,11 +38,14 @@ class Deformation:
         J of the reference, over time zero; shape (n,).
     gradient
         Deformation gradient F from the reference at the end of the last step; shape (n, d, d).
+    slip
+        Hidden strain at which the spring of each pair is relaxed; shape (k,).
     """
 
     reference: Reference
     reference_ratio: Array
     gradient: Array
+    slip: Array
 
 
 class TotalLagrangian:
@@ -60,7 +65,10 @@ class TotalLagrangian:
 
     def start(self) -> Deformation:
         """The reference at time zero, undeformed."""
-        return self._undeformed(self._problem.points, np.ones(len(self._problem.points)))
+        reference = self._reference(self._problem.points, np.ones(len(self._problem.points)))
+        return self._undeformed(
+            reference, np.ones(len(self._problem.points)), np.zeros(reference.kernel.shape)
+        )
 
     def evaluate(
         self, memory: Deformation, material: PointState, positions: Array, velocities: Array, dt: float
@@ -95,13 +103,16 @@ class TotalLagrangian:
         pressure = linear_pressure(self._bulk, volume_ratio)
         stress = cauchy_stress(update.state.deviator, pressure, problem.dimension)
         first_piola = ratio[:, None, None] * stress @ np.linalg.inv(gradient).transpose(0, 2, 1)
-        viscous, control = damping_force(
+        # Springs of a part of the body's stiffness have that part of its strength.
+        strength = np.where(update.state.rate > 0.0, von_mises(update.state.deviator), np.inf)
+        viscous, control, slip = damping_force(
             reference,
             positions,
             velocities,
             gradient,
             problem.mass,
             problem.inertial_density / volume_ratio,
+            Springs(memory.slip, strength / problem.young_modulus),
             (
                 controls.smoothing_length,
                 controls.alpha,
@@ -118,7 +129,7 @@ class TotalLagrangian:
             material=update.state,
             volume_ratio=volume_ratio,
             plastic_work=float(update.plastic_work @ (problem.volume * volume_ratio)),
-            memory=Deformation(reference, memory.reference_ratio, gradient),
+            memory=Deformation(reference, memory.reference_ratio, gradient, slip),
         )
 
     def _between(self, positions: Array, velocities: Array, dt: float) -> Array:
@@ -150,7 +161,10 @@ class TotalLagrangian:
         largest = float(np.sqrt(np.max(np.einsum("ka,ka->k", relative, relative), initial=0.0)))
         if largest <= controls.reference_update * controls.smoothing_length:
             return memory, False
-        return self._undeformed(positions, volume_ratio), True
+        reference = self._reference(positions, volume_ratio)
+        strain = hidden_strain(memory.reference, positions, memory.gradient) - memory.slip
+        kept = carried(strain, memory.reference.neighbours, reference.neighbours)
+        return self._undeformed(reference, volume_ratio, -kept), True
 
     def arrays(self, memory: Deformation) -> Arrays:
         """``memory`` for a checkpoint; neighbours and kernels are found again from the points."""
@@ -158,6 +172,7 @@ class TotalLagrangian:
             "reference/points": memory.reference.points,
             "reference/ratio": memory.reference_ratio,
             "reference/gradient": memory.gradient,
+            "reference/slip": memory.slip,
         }
 
     def restored(self, arrays: Arrays) -> Deformation:
@@ -165,12 +180,14 @@ class TotalLagrangian:
         points = np.asarray(arrays["reference/points"], dtype=np.float64)
         ratio = np.asarray(arrays["reference/ratio"], dtype=np.float64)
         gradient = np.asarray(arrays["reference/gradient"], dtype=np.float64)
-        return Deformation(self._reference(points, ratio), ratio, gradient)
+        slip = np.asarray(arrays["reference/slip"], dtype=np.float64)
+        return Deformation(self._reference(points, ratio), ratio, gradient, slip)
 
-    def _undeformed(self, points: Array, ratio: Array) -> Deformation:
-        dimension = self._problem.dimension
-        identity = np.broadcast_to(np.eye(dimension), (len(points), dimension, dimension)).copy()
-        return Deformation(self._reference(points, ratio), ratio, identity)
+    @staticmethod
+    def _undeformed(reference: Reference, ratio: Array, slip: Array) -> Deformation:
+        count, dimension = reference.points.shape
+        identity = np.broadcast_to(np.eye(dimension), (count, dimension, dimension)).copy()
+        return Deformation(reference, ratio, identity, slip)
 
     def _reference(self, points: Array, ratio: Array) -> Reference:
         problem = self._problem

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pfemcut.inputs import InputError, nearest
+from pfemcut.inputs import InputError, UserError, nearest
 from pfemcut.method import RunStopped
 from pfemcut.output.tables import number_text, print_table, write_csv
 from pfemcut.ranks import Ranks
@@ -96,7 +96,7 @@ class Study:
         Writes tables and plots of the outcomes into a folder (with :attr:`name` in their names) and returns the
         content of the study's JSON file and whether what the study must show is shown.
     travel
-        mm.
+        mm; None if the case is no cut.
     case
         Case file that the variants change; the reduced cut of AISI 4340 unless given.
     partial
@@ -107,7 +107,7 @@ class Study:
     folder: Path
     variants: tuple[Variant, ...]
     conclude: Callable[[Sequence[Outcome], Path], tuple[dict[str, Any], bool]]
-    travel: float
+    travel: float | None
     case: Path = REDUCED_CASE
     partial: bool = False
 
@@ -133,6 +133,8 @@ def run_study(study: Study, arguments: Sequence[str]) -> bool:
         "--conclude", action="store_true", help="run nothing: conclude from the runs that are there"
     )
     options = options_parser.parse_args(arguments)
+    if study.travel is None and options.travel is not None:
+        raise UserError("--travel: this study is of no cut")
     start, output = start_of(options), options.output
     wanted = _wanted(study, options.only)
     for variant in () if options.conclude else wanted:
@@ -210,12 +212,13 @@ def _wanted(study: Study, names: Sequence[str] | None) -> Sequence[Variant]:
     return [known[name] for name in names] if names else study.variants
 
 
-def _run(case: Path, variant: Variant, directory: Path, travel: float, start: Start) -> None:
+def _run(case: Path, variant: Variant, directory: Path, travel: float | None, start: Start) -> None:
     if Ranks().first:
         print(f"-- {variant.name}", flush=True)
     # The study concludes from all variants, so one that stops is reported there and does not end the others.
     try:
-        recorded_run(case, directory, [f"cutting.travel={travel}", *variant.changes], start)
+        travelled = [] if travel is None else [f"cutting.travel={travel}"]
+        recorded_run(case, directory, [*travelled, *variant.changes], start)
     except RunStopped as stopped:
         from pfemcut.driver import RunInterrupted
 
