@@ -48,7 +48,7 @@ def test_moduli_are_those_of_laminate_theory(angle: float) -> None:
 def test_energy_and_momentum_are_conserved_without_cracks() -> None:
     method = ended(30.0, lattice={"criterion": "none"}, hole=HOLE)
     assert abs(method.measure().energy_error) < 1e-4
-    assert method.own_measures()["momentum_error"] < 1e-10
+    assert method.own_measures()["momentum_error"] < 1e-12
 
 
 def test_the_ledgers_close_with_cracks_and_dashpots() -> None:
@@ -57,7 +57,7 @@ def test_the_ledgers_close_with_cracks_and_dashpots() -> None:
     assert own["broken_matrix_bonds"] > 20 and own["broken_fibre_bonds"] == 0
     assert own["fracture_energy"] > 0.0 and own["damping_energy"] > 0.0
     assert abs(method.measure().energy_error) < 0.01
-    assert own["momentum_error"] < 1e-9
+    assert own["momentum_error"] < 1e-12
 
 
 def test_a_turned_plate_feels_no_force() -> None:
@@ -159,16 +159,15 @@ def test_fibre_bonds_break_only_where_they_may() -> None:
 
 
 def test_the_start_gives_the_plate_no_shock() -> None:
-    problem = plate(0.0, lattice={"criterion": "none"})
+    problem = plate(0.0, lattice={"criterion": "none", "batch": 10})
     smooth, rough = LatticeMethod.start(problem), LatticeMethod.start(problem)
     still = np.where(problem.grip[:, None] == 0, 0.0, problem.start_velocity)
     rough._state = replace(rough.current, velocity=still)
     for method in (smooth, rough):
-        for _ in range(4):
-            method.advance()
-    # Away from the grips the strain grows as their distance does.
+        method.advance()
+    # Away from the grips the strain grows as their distance does; the outermost free sites are half a spacing inside.
     exact = smooth.measure().travel / problem.plate.length
-    assert smooth.own_measures()["gauge_strain"] == pytest.approx(exact, rel=0.02)
+    assert smooth.own_measures()["gauge_strain"] == pytest.approx(exact, rel=0.06)
     assert abs(rough.own_measures()["gauge_strain"] / exact - 1.0) > 0.1
 
 
@@ -202,7 +201,7 @@ def load_case_text(case: Any, material: Any) -> str:
 def test_check_tells_figures_and_what_is_unwise() -> None:
     case, material = validated(table(45.0, hole=HOLE), Path())
     told = dict(figures(case, material, Path()))
-    assert "sites" in told["lattice"] and "7" in told["material"]
+    assert "sites" in told["lattice"] and "8600 MPa" in told["material"]
     fast = validated(table(45.0, hole=[{"radius": 2.0}], pull={"speed": 1e5}), Path())
     words = " ".join(warnings(*fast))
     assert "[pull] speed" in words and "[lattice] spacing" in words

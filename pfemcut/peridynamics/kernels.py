@@ -124,8 +124,8 @@ def _site_force(  # type: ignore[no-untyped-def]
         if not alive[e]:
             continue
         f, j = family[e], indices[e]
-        dx = vector[f, 0] + u[j, 0] - u[i, 0]
-        dy = vector[f, 1] + u[j, 1] - u[i, 1]
+        dx = vector[f, 0] + (u[j, 0] - u[i, 0])
+        dy = vector[f, 1] + (u[j, 1] - u[i, 1])
         length = np.sqrt(dx * dx + dy * dy)
         pull = stiffness[f] * (length - spacing) / length
         if damping > 0.0:
@@ -214,8 +214,8 @@ def _break_site(  # type: ignore[no-untyped-def]
             alive[e] = 0
             broken_at[e] = time
             f, j = family[e], indices[e]
-            dx = vector[f, 0] + u[j, 0] - u[i, 0]
-            dy = vector[f, 1] + u[j, 1] - u[i, 1]
+            dx = vector[f, 0] + (u[j, 0] - u[i, 0])
+            dy = vector[f, 1] + (u[j, 1] - u[i, 1])
             length = np.sqrt(dx * dx + dy * dy)
             pull = stiffness[f] * (length - spacing) / length
             if damping > 0.0:
@@ -249,8 +249,8 @@ def stored_energy(bonds, stiffness, spacing, u, alive):  # type: ignore[no-untyp
         for e in range(offsets[i], offsets[i + 1]):
             if alive[e]:
                 f, j = family[e], indices[e]
-                dx = vector[f, 0] + u[j, 0] - u[i, 0]
-                dy = vector[f, 1] + u[j, 1] - u[i, 1]
+                dx = vector[f, 0] + (u[j, 0] - u[i, 0])
+                dy = vector[f, 1] + (u[j, 1] - u[i, 1])
                 total += 0.25 * stiffness[f] * (np.sqrt(dx * dx + dy * dy) - spacing) ** 2
         energy[i] = total
     return energy
