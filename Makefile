@@ -56,7 +56,7 @@ validate: $(READY)
 	$(PYTHON) scripts/validate.py -j $(JOBS)
 
 bench: $(READY)
-	@set -e; for script in step_time scaling seconds_per_mm particle_rates; do echo "== $$script"; $(PYTHON) benchmarks/$$script.py; done
+	@set -e; for script in step_time scaling seconds_per_mm particle_rates lattice_speed; do echo "== $$script"; $(PYTHON) benchmarks/$$script.py; done
 
 # Any warning, such as a link that leads nowhere, stops it.
 docs: $(READY)

@@ -15,6 +15,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from pfemcut.case.general_schema import GeneralCase
+from pfemcut.case.lamina_schema import LaminaCase
 from pfemcut.case.particles import SolidsCase
 from pfemcut.case.schema import Case
 from pfemcut.case.wording import allowed, choices, default, inner_types, kind_of
@@ -40,6 +41,7 @@ KINDS: tuple[tuple[str, type[BaseModel]], ...] = (
     ("An orthogonal cut", Case),
     ('A general problem (`problem = "general"`)', GeneralCase),
     ('Solids filled with particles (`problem = "solids"`)', SolidsCase),
+    ('A composite lamina in tension (`problem = "lamina"`)', LaminaCase),
 )
 
 

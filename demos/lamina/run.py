@@ -115,6 +115,10 @@ def measured(directory: Path, case: LoadedCase, given: Mapping[str, Any]) -> dic
                 _crack(last, number) for number in (1, 2) if math.isfinite(last[f"crack_{number}_angle"])
             ],
         }
+        rows = np.flatnonzero(history["broken_matrix_bonds"] > 0)
+        if rows.size:
+            found["load_at_first_break"] = _short(history["load"][rows[0]])
+            found["elongation_at_first_break"] = _short(history["travel"][rows[0]])
         tips = [tip for crack in problem.plate.cracks for tip in crack.tips]
         if given["group"] != "criteria":
             fibre = math.degrees(problem.plate.fibre_angle)

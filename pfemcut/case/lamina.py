@@ -51,7 +51,7 @@ def lamina_problem(case: LaminaCase) -> LaminaProblem:
         ),
         spacing=lattice.spacing,
         failure=Failure(Criterion(lattice.criterion), lattice.growth, lattice.fibres_break),
-        pull=Pull(pull.speed, sliding=pull.grips == "sliding"),
+        pull=Pull(pull.speed, pull.grips == "sliding", pull.protected),
         time=ExplicitTime(pull.elongation / pull.speed, lattice.courant, lattice.batch, lattice.mass_scaling),
         damping=lattice.damping,
     )

@@ -83,6 +83,12 @@ class PullTable(Section):
     grips: Literal["clamped", "sliding"] = Field(
         default="clamped", description="Whether the plate slides in the grips across the pull"
     )
+    protected: float = Field(
+        default=0.0,
+        ge=0,
+        description="Distance from the grips within which no bond breaks (mm); rigid grips crack the corners of a "
+        "plate that is pulled at an angle to its fibre",
+    )
 
 
 class LaminaCase(Section):
@@ -130,6 +136,11 @@ class LaminaCase(Section):
             wrong.append(
                 f"[pull] elongation: given {self.pull.elongation:g}, must be at most a tenth of the plate's length, "
                 f"{0.1 * self.lamina.length:g}"
+            )
+        if self.pull.protected >= half[0]:
+            wrong.append(
+                f"[pull] protected: given {self.pull.protected:g}, must be less than half the plate's length, "
+                f"{half[0]:g}"
             )
         if wrong:
             raise ValueError("\n".join(wrong))

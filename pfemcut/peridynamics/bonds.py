@@ -66,8 +66,10 @@ def bonds_of(plate: Plate, sites: Array, neighbours: Neighbours) -> Bonds:
     between = sites[neighbours.indices] - sites[owners]
     turned = np.arctan2(between[:, 1], between[:, 0]) - plate.fibre_angle
     family = (np.rint(turned / (np.pi / 3.0)).astype(np.int64) % FAMILIES).astype(np.int8)
-    angles = plate.fibre_angle + np.arange(FAMILIES) * np.pi / 3.0
-    direction = np.column_stack([np.cos(angles), np.sin(angles)])
+    angles = plate.fibre_angle + np.arange(FAMILIES // 2) * np.pi / 3.0
+    half = np.column_stack([np.cos(angles), np.sin(angles)])
+    # Exactly opposite from a bond's two sides, so that momentum is conserved to round-off.
+    direction = np.concatenate([half, -half])
     cut = cut_by_cracks(plate, sites[owners], sites[neighbours.indices])
     # From its two sides a bond is cut alike but for round-off.
     cut |= cut[neighbours.reverse]

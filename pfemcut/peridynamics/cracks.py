@@ -56,7 +56,7 @@ def parts(bonds: Bonds, broken: BoolArray, inside: BoolArray) -> int:
     bonds, broken
         All bonds, and which entries are broken; shape (k,).
     inside
-        Whether a site counts; those in the grips do not, since a grip holds all parts; shape (n,).
+        Whether a site counts; shape (n,).
     """
     count = len(bonds.neighbours.offsets) - 1
     whole = bonds.once & ~broken & inside[bonds.owners] & inside[bonds.neighbours.indices]

@@ -54,6 +54,7 @@ def advance(problem: LaminaProblem, state: State) -> State:
         compiled_bonds(problem),
         (family_stiffness(problem), problem.spacing, problem.limits, problem.site_mass, problem.dashpot),
         (problem.free, np.flatnonzero(problem.grip < 0), np.flatnonzero(problem.grip > 0), problem.grip_velocity),
+        problem.weak,
         u,
         v,
         force,

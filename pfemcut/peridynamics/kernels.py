@@ -17,7 +17,7 @@ STRETCH, MIXED_MODE = 0, 1
 
 @njit(parallel=True, cache=True)
 def run_steps(  # type: ignore[no-untyped-def]
-    steps, dt, time, bonds, material, motion, u, v, force, alive, broken_at, doomed, energy
+    steps, dt, time, bonds, material, motion, weak, u, v, force, alive, broken_at, doomed, energy
 ):
     """Advance ``steps`` steps of ``dt`` (s) from ``time`` (s); arrays are changed in place.
 
@@ -35,6 +35,8 @@ def run_steps(  # type: ignore[no-untyped-def]
         site (tonne), and the dashpots' time constant (s).
     motion
         1 for free components (n, 2), sites of the left and of the right grip, and the grips' velocities (mm/s; (2, 2)).
+    weak
+        Whether bonds may fail as seen from a site; shape (n,).
     u, v, force
         Displacements (mm), velocities (mm/s) and forces (N); shape (n, 2).
     alive, broken_at
@@ -66,7 +68,7 @@ def run_steps(  # type: ignore[no-untyped-def]
         for i in prange(len(u)):
             hits += _site_force(
                 i, offsets, indices, family, vector, stiffness, spacing, limits, damping, dt,
-                u, v, alive, force, doomed, energy,
+                weak, u, v, alive, force, doomed, energy,
             )  # fmt: skip
         if hits > 0:
             for i in prange(len(u)):
@@ -91,7 +93,7 @@ def run_steps(  # type: ignore[no-untyped-def]
 @njit(cache=True)
 def _site_force(  # type: ignore[no-untyped-def]
     i, offsets, indices, family, vector, stiffness, spacing, limits, damping, dt,
-    u, v, alive, force, doomed, energy,
+    weak, u, v, alive, force, doomed, energy,
 ):  # fmt: skip
     """Force on site ``i``, and whether (1 or 0) one of its bonds fails.
 
@@ -122,8 +124,8 @@ def _site_force(  # type: ignore[no-untyped-def]
         if not alive[e]:
             continue
         f, j = family[e], indices[e]
-        dx = vector[f, 0] + u[j, 0] - u[i, 0]
-        dy = vector[f, 1] + u[j, 1] - u[i, 1]
+        dx = vector[f, 0] + (u[j, 0] - u[i, 0])
+        dy = vector[f, 1] + (u[j, 1] - u[i, 1])
         length = np.sqrt(dx * dx + dy * dy)
         pull = stiffness[f] * (length - spacing) / length
         if damping > 0.0:
@@ -141,10 +143,12 @@ def _site_force(  # type: ignore[no-untyped-def]
             left_down, s_left_down = e, s
         elif f == 5:
             right_down, s_right_down = e, s
-        elif s >= fibre:
+        elif s >= fibre and weak[i]:
             doomed[e] = 1
             hit = 1
     force[i, 0], force[i, 1] = fx, fy
+    if not weak[i]:
+        return hit
     if criterion == MIXED_MODE:
         for up, one, s_one, other, s_other in (
             (True, right_up, s_right_up, left_up, s_left_up),
@@ -210,8 +214,8 @@ def _break_site(  # type: ignore[no-untyped-def]
             alive[e] = 0
             broken_at[e] = time
             f, j = family[e], indices[e]
-            dx = vector[f, 0] + u[j, 0] - u[i, 0]
-            dy = vector[f, 1] + u[j, 1] - u[i, 1]
+            dx = vector[f, 0] + (u[j, 0] - u[i, 0])
+            dy = vector[f, 1] + (u[j, 1] - u[i, 1])
             length = np.sqrt(dx * dx + dy * dy)
             pull = stiffness[f] * (length - spacing) / length
             if damping > 0.0:
@@ -245,8 +249,8 @@ def stored_energy(bonds, stiffness, spacing, u, alive):  # type: ignore[no-untyp
         for e in range(offsets[i], offsets[i + 1]):
             if alive[e]:
                 f, j = family[e], indices[e]
-                dx = vector[f, 0] + u[j, 0] - u[i, 0]
-                dy = vector[f, 1] + u[j, 1] - u[i, 1]
+                dx = vector[f, 0] + (u[j, 0] - u[i, 0])
+                dy = vector[f, 1] + (u[j, 1] - u[i, 1])
                 total += 0.25 * stiffness[f] * (np.sqrt(dx * dx + dy * dy) - spacing) ** 2
         energy[i] = total
     return energy

@@ -119,7 +119,7 @@ class LatticeMethod:
             "peak_elongation": totals.peak_elongation,
             "broken_matrix_bonds": int((gone & bonds.once & ~bonds.fibre).sum()),
             "broken_fibre_bonds": int((gone & bonds.once & bonds.fibre).sum()),
-            "parts": parts(bonds, np.isfinite(state.broken_at), problem.grip == 0),
+            "parts": parts(bonds, np.isfinite(state.broken_at), problem.inner),
             "fracture_energy": float(state.energy[:, 0].sum()),
             "damping_energy": float(state.energy[:, 1].sum()),
             "momentum_error": momentum_error(problem, state),

@@ -30,6 +30,10 @@ from pfemcut.problem.course import Course, straight
 Array = NDArray[np.float64]
 
 
+INNER = 0.95
+"""Part of the length between the grips in which parts are counted."""
+
+
 class Criterion(Enum):
     """When matrix bonds break: by their own stretch, by the traction on a plane along the fibre, or never."""
 
@@ -67,10 +71,13 @@ class Pull:
         Of the grips relative to each other (mm/s).
     sliding
         Whether the plate slides in the grips across the pull.
+    protected
+        Distance from the grips within which no bond fails (mm).
     """
 
     speed: float
     sliding: bool
+    protected: float
 
 
 @dataclass(frozen=True)
@@ -174,6 +181,17 @@ class LaminaProblem:
         """-1 for sites in the left grip, 1 in the right one, else 0; shape (n,)."""
         x, half = self.sites[:, 0], 0.5 * self.plate.length
         return ((x > half).astype(np.int8) - (x < -half).astype(np.int8)).astype(np.int8)
+
+    @cached_property
+    def inner(self) -> NDArray[np.bool_]:
+        """Whether a site is not in or next to a grip, which holds parts together; shape (n,)."""
+        return np.asarray(np.abs(self.sites[:, 0]) <= 0.5 * INNER * self.plate.length)
+
+    @cached_property
+    def weak(self) -> NDArray[np.uint8]:
+        """1 for sites whose bonds may fail, else 0; shape (n,)."""
+        reach = 0.5 * self.plate.length - self.pull.protected
+        return (np.abs(self.sites[:, 0]) <= reach).astype(np.uint8)
 
     @cached_property
     def free(self) -> Array:

@@ -164,7 +164,12 @@ LAMINA_FIGURES = (
             _end(f"crack_{number}_length", f"{name} crack, length", "mm", "Along that line."),
         )
     ),
-    _end("parts", "Parts", "-", "Pieces between the grips that whole bonds hold together."),
+    _end(
+        "parts",
+        "Parts",
+        "-",
+        "Pieces that whole bonds hold together in the inner 95 % of the length; the grips hold all.",
+    ),
     _end("broken_matrix_bonds", "Broken matrix bonds", "-", "Since the start."),
     _end("broken_fibre_bonds", "Broken fibre bonds", "-", "Since the start."),
     _end("fracture_energy", "Energy of broken bonds", "mJ", "What bonds held when they broke."),
