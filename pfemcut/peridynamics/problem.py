@@ -6,15 +6,12 @@ import math
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pfemcut.particles.neighbours import neighbours_within
 from pfemcut.particles.problem import ExplicitTime
-from pfemcut.peridynamics.bonds import Bonds, bonds_of
-from pfemcut.peridynamics.crack_tip import tip_release
-from pfemcut.peridynamics.kernels import MIXED_MODE, STRETCH
 from pfemcut.peridynamics.lamina import Lamina
 from pfemcut.peridynamics.micromodulus import (
     CELL,
@@ -26,6 +23,9 @@ from pfemcut.peridynamics.micromodulus import (
 from pfemcut.peridynamics.plate import Plate, lattice_sites
 from pfemcut.problem import Cut, MovingTool
 from pfemcut.problem.course import Course, straight
+
+if TYPE_CHECKING:
+    from pfemcut.peridynamics.bonds import Bonds
 
 Array = NDArray[np.float64]
 
@@ -128,6 +128,10 @@ class LaminaProblem:
     @cached_property
     def bonds(self) -> Bonds:
         """Bonds between nearest sites."""
+        # Here and below: a check of another case needs neither scipy nor numba, which take seconds to load.
+        from pfemcut.particles.neighbours import neighbours_within
+        from pfemcut.peridynamics.bonds import bonds_of
+
         group = np.zeros(len(self.sites), dtype=np.int64)
         neighbours = neighbours_within(self.sites, 1.1 * self.spacing, group)
         return bonds_of(self.plate, self.sites, neighbours)
@@ -140,12 +144,16 @@ class LaminaProblem:
     @cached_property
     def critical(self) -> CriticalStretch:
         """Stretches at which bonds break."""
+        from pfemcut.peridynamics.crack_tip import tip_release
+
         release = tip_release(self.stiffness) if self.failure.growth else (1.0, 1.0)
         return critical_stretch(self.lamina, self.stiffness, self.plate.thickness, self.spacing, release)
 
     @property
     def limits(self) -> tuple[int, float, float, float, float, float]:
         """What the kernels take as limits of failure: see :mod:`pfemcut.peridynamics.kernels`."""
+        from pfemcut.peridynamics.kernels import MIXED_MODE, STRETCH
+
         critical, criterion = self.critical, self.failure.criterion
         fibre = critical.fibre if self.failure.fibres_break else math.inf
         if criterion is Criterion.NONE:
