@@ -71,6 +71,10 @@ def pool_of(
                 "ending": "done",
                 "warnings": list(warned),
                 "steady": {"value": steady, "unit": "-"},
+                "steps": {"value": 9, "unit": "-"},
+                "wall_time": {"value": 9.0, "unit": "s"},
+                "window": [0.2, 0.5],
+                "travel": 0.5,
                 "cutting_force": {"mean": cutting, "std": 0.5, "unit": "N/mm"},
                 "thrust_force": {"mean": thrust, "std": 0.5, "unit": "N/mm"},
             }
@@ -163,7 +167,7 @@ def test_finished_runs_of_another_case_are_not_taken(
     monkeypatch.setattr(run_module, "run_pool", pool_of(forces, [1000]))
     assert status(command) == 0
     assert status([*command, "--set", "tool.rake=6.0"]) == 2
-    assert "another case (tool.rake: 0.0 -> 6.0)" in capsys.readouterr().err
+    assert "the run of another case is there (tool.rake: 0.0 -> 6.0)" in capsys.readouterr().err
 
 
 def test_a_figure_that_the_runs_do_not_have_is_named(

@@ -13,8 +13,8 @@ from synthetic_cut import filled_frame
 from meshing.initial import MeshFileError, read_mesh
 from pfemcut.output.vtu import FieldsError, FieldWriter, read_last_frame
 from pfemcut.results.history import HistoryError, read_table
-from pfemcut.results.summary_file import SummaryError, read_summary_file, required
-from pfemcut.validation.recorded_run import NEEDED, sessions
+from pfemcut.results.summary_file import NEEDED, SummaryError, read_summary_file, required
+from pfemcut.validation.recorded_run import sessions
 
 ROOT = Path(__file__).parents[1]
 SQUARE = """\

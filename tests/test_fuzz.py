@@ -10,6 +10,7 @@ from types import ModuleType
 
 import pytest
 
+from pfemcut.case.particle_count import require_fillable
 from pfemcut.cli.main import status
 from pfemcut.inputs import LONGEST_LINE, InputError, read_toml
 from pfemcut.output.directory import OutputError, prepare_directory
@@ -131,3 +132,11 @@ def test_a_path_of_a_thousand_keys_is_one_clear_error(capsys: pytest.CaptureFixt
     case = str(ROOT / "demos/aisi4340_demo/case.toml")
     assert status(["check", case, "--set", ".".join("a" * 2000) + "=1"]) == 2
     assert "tables deep" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("spacing", [1e-6, 1e-30])
+def test_solids_of_too_many_particles_are_one_clear_error(tmp_path: Path, spacing: float) -> None:
+    """Before anything is filled; at 500 mm a box of 1 by 1e9 by 1 mm has two millions, and less than one across."""
+    require_fillable("block", (1.0, 1e9, 1.0), 501.0)
+    case = ROOT / "demos/taylor_tlsph/case.toml"
+    assert status(["check", str(case), "--set", f"particles.spacing={spacing}"]) == 2

@@ -222,8 +222,8 @@ def test_a_second_call_runs_nothing_and_a_changed_case_is_an_error(
     changed = [*same, "--vary", "contact.friction=0.0,0.2", "--set", "cutting.depth=0.11"]
     assert status(changed) == 2
     assert (
-        "variant friction=0 (and 1 more): its folder holds the run of another case (cutting.depth: 0.1 -> 0.11)"
-        in capsys.readouterr().err
+        f"{tmp_path}/two/friction=0, {tmp_path}/two/friction=0.2: "
+        "the run of another case is there (cutting.depth: 0.1 -> 0.11)" in capsys.readouterr().err
     )
     shorter = [*same, "--vary", "contact.friction=0.0,0.2", "--set", "cutting.travel=0.004"]
     assert status(shorter) == 2
@@ -253,7 +253,10 @@ def test_an_interrupted_sweep_goes_on_and_gives_what_runs_side_by_side_give(
 
     threading.Thread(target=interrupt, daemon=True).start()
     assert status([*command, "-j", "1"]) == 1
-    assert "stopped by SIGINT, 0 of 2 variants finished" in capsys.readouterr().err
+    told = capsys.readouterr().err
+    assert "stopped by SIGINT, 0 of 2 variants finished" in told
+    # Each folder that is left, for whoever wants to look.
+    assert all(f"/friction={value}" in told for value in ("0", "0.2"))
     assert not (one / "friction=0.2").exists()
     plan = read_plan(finished / "case.toml", vary=["contact.friction=0.0,0.2"], output=one)
     assert states(prepared(plan)) == (State.INTERRUPTED, State.NEW)

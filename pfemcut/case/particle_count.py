@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -44,6 +45,15 @@ def require_countable(problem: Problem) -> None:
     if wrong:
         limit = f"more than {LARGEST_COUNT / 1e6:g} million particles"
         raise InputError(f"[mesh] sizes ask for {limit} in '{name}'; make them larger" for name in wrong)
+
+
+def require_fillable(name: str, lengths: Sequence[float], spacing: float) -> None:
+    """Raise :class:`InputError` if a box of these ``lengths`` (mm) takes too many particles ``spacing`` (mm) apart."""
+    # By logarithms: the product may overflow.
+    cells = [max(math.log(length) - math.log(spacing), 0.0) for length in lengths if length > 0.0]
+    if sum(cells) > math.log(LARGEST_COUNT):
+        limit = f"more than {LARGEST_COUNT / 1e6:g} million particles"
+        raise InputError([f"[particles] spacing asks for {limit} in '{name}'; make it larger"])
 
 
 def particle_estimate(

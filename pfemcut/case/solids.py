@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pfemcut.case.controls import contact_law, moving_tool
 from pfemcut.case.cutting import starting_tool
 from pfemcut.case.load import CaseError, initial_temperature
+from pfemcut.case.particle_count import require_fillable
 from pfemcut.case.particles import ExplicitParticles, Particles, Point, Solid, SolidsCase, SolidsParticles
 from pfemcut.case.schema import Case
 from pfemcut.contact.friction_laws.coulomb import Coulomb
@@ -60,6 +61,7 @@ def cutting_particles(case: Case, material: Material) -> ParticleProblem:
             height - min(given.filled_height or height, height),
         ]
     )
+    require_fillable("workpiece", (length - low[0], height - low[1]), spacing)
     points, volume = box_lattice(low, np.array([length, height]), spacing)
     bottom = points[:, 1] < low[1] + spacing
     far = points[:, 0] < low[0] + spacing
@@ -176,7 +178,9 @@ def _inside(box: tuple[Point, Point], points: Array) -> NDArray[np.bool_]:
 
 def _filled(table: Solid, spacing: float) -> tuple[Array, float]:
     for shape in (table.cylinder,) if table.cylinder else ():
+        require_fillable(table.name, (2.0 * shape.radius, 2.0 * shape.radius, shape.length), spacing)
         points, volume = cylinder_lattice(shape.radius, shape.length, spacing)
         return points + np.array(shape.base), volume
     low, high = table.box or ((0.0, 0.0), (0.0, 0.0))
+    require_fillable(table.name, [b - a for a, b in zip(low, high, strict=True)], spacing)
     return box_lattice(np.array(low), np.array(high), spacing)

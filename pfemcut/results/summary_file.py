@@ -12,6 +12,8 @@ from pfemcut.inputs import UserError
 _TEXTS = ("title", "ending")
 _TABLES = ("ledgers", "seconds_per_step", "versions")
 _FIGURES = ("steady", "steps", "wall_time")
+NEEDED = ("finished", "ending", "warnings", "steady", "steps", "wall_time", "window", "travel")
+"""What the summaries of all runs have."""
 
 
 class SummaryError(UserError):

@@ -146,7 +146,7 @@ def ended_text(directory: Path, status: int) -> str:
         shown = [f"{label} {figure_mean(summary, name):.1f}" for label, name in forces if name in summary]
         return " ".join(["finished", *shown, *(["N/mm"] if shown else [])])
     if status == 1 and summary:
-        ending = str(summary["ending"])
+        ending = str(summary.get("ending", ""))
         return ending if ending.startswith("stopped") else f"stopped: {ending}"
     last = _last_line(directory / LOG)
     return f"failed with status {status}, see {directory / LOG}{': ' + last if last else ''}"

@@ -117,12 +117,16 @@ def states(variants: Iterable[Prepared]) -> tuple[State, ...]:
 def require_unchanged(variants: Iterable[Prepared]) -> None:
     """Raise :class:`OutputError`, with a line for each change, if a folder holds the run of another case."""
     found = [
-        (each.name, f"its folder holds the run of another case ({text})")
+        (str(each.directory), f"the run of another case is there ({text})")
         for each in variants
         for text in changes(each)
     ]
     if found:
-        raise OutputError("\n".join([*_grouped(found), "--overwrite runs what changed from the start"]))
+        told: dict[str, list[str]] = {}
+        for name, text in found:
+            told.setdefault(text, []).append(name)
+        lines = [f"{', '.join(names)}: {text}" for text, names in told.items()]
+        raise OutputError("\n".join([*lines, "--overwrite runs what changed from the start"]))
 
 
 def changes(variant: Prepared) -> tuple[str, ...]:

@@ -11,6 +11,7 @@ from pfemcut.output.directory import HISTORY, SUMMARY
 from pfemcut.output.tables import number_text, print_table, write_csv
 from pfemcut.results.definitions import FIGURES
 from pfemcut.results.summary import figure_mean, figure_std
+from pfemcut.results.summary_file import NEEDED, required
 from pfemcut.sweep.plan import Plan, short_keys, value_text
 from pfemcut.sweep.prepare import Prepared, State, states
 from pfemcut.validation.provenance import provenance
@@ -70,6 +71,8 @@ def _outcome(variant: Prepared, state: State) -> Outcome:
     if state is State.CHANGED:
         return Outcome(variant, state.value, {})
     summary = read_summary(variant.directory) if path.is_file() else {}
+    if summary:
+        required(summary, path, *NEEDED)
     if state is State.FINISHED:
         return Outcome(variant, state.value, summary)
     # A summary that is finished, of a run that is not, is that of a shorter travel.

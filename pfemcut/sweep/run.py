@@ -93,9 +93,11 @@ def run_unfinished(variants: Sequence[Prepared], jobs: int, *, overwrite: bool) 
     todo = [each for each, state in zip(variants, before, strict=True) if state is not State.FINISHED]
     ended = _run_all(todo, min(jobs, len(todo)), overwrite=overwrite)
     if ended.signal:
-        name, finished = signal.Signals(ended.signal).name, states(variants).count(State.FINISHED)
+        name, after = signal.Signals(ended.signal).name, states(variants)
+        left = [each for each, state in zip(variants, after, strict=True) if state is not State.FINISHED]
         raise SweepStopped(
-            f"stopped by {name}, {finished} of {len(variants)} variants finished; the same command goes on"
+            f"stopped by {name}, {len(variants) - len(left)} of {len(variants)} variants finished; the same command "
+            f"goes on with {', '.join(str(each.directory) for each in left) or 'the tables'}"
         )
     return len(todo)
 
@@ -104,7 +106,7 @@ def require_finished(outcomes: Sequence[Outcome]) -> None:
     """Raise :class:`SweepStopped`, with their names, if some did not finish."""
     missing = [each for each in outcomes if not each.finished]
     if missing:
-        texts = [f"{each.variant.name} {each.status}" for each in missing]
+        texts = [f"{each.variant.directory} {each.status}" for each in missing]
         raise SweepStopped(f"{len(missing)} of {len(outcomes)} variants did not finish: {', '.join(texts)}")
 
 

@@ -22,8 +22,6 @@ from pfemcut.validation.provenance import provenance
 from pfemcut.whole_files import write_json
 
 SESSIONS = "sessions.json"
-NEEDED = ("finished", "ending", "warnings", "steady", "steps", "wall_time", "window", "travel")
-"""What all summaries have."""
 
 
 @dataclass(frozen=True)
@@ -107,7 +105,7 @@ def sessions(directory: Path) -> list[dict[str, Any]]:
 
 def is_finished(directory: Path) -> bool:
     """Whether the folder holds a run that is finished."""
-    return (directory / SUMMARY).is_file() and bool(read_summary(directory)["finished"])
+    return (directory / SUMMARY).is_file() and bool(read_summary(directory).get("finished", False))
 
 
 def read_summary(directory: Path) -> dict[str, Any]:
@@ -118,9 +116,7 @@ def read_summary(directory: Path) -> dict[str, Any]:
     SummaryError
         If it is damaged.
     """
-    content = read_summary_file(directory / SUMMARY)
-    required(content, directory / SUMMARY, *NEEDED)
-    return content
+    return read_summary_file(directory / SUMMARY)
 
 
 def read_history(directory: Path) -> Mapping[str, NDArray[Any]]:
@@ -130,4 +126,6 @@ def read_history(directory: Path) -> Mapping[str, NDArray[Any]]:
 
 def _steps(directory: Path) -> int:
     """Steps of the run, from its summary."""
-    return int(read_summary(directory)["steps"]["value"])
+    summary = read_summary(directory)
+    required(summary, directory / SUMMARY, "steps")
+    return int(summary["steps"]["value"])

@@ -39,7 +39,7 @@ from pfemcut.output.surface_pictures import write_surface_pictures
 from pfemcut.output.vtu import FieldsError, read_last_frame
 from pfemcut.results.derived.steady_window import SteadyWindow, steady_window
 from pfemcut.results.history import HistoryError, read_table
-from pfemcut.results.summary_file import read_summary_file, required
+from pfemcut.results.summary_file import SummaryError, read_summary_file, required
 from pfemcut.whole_files import write_text
 
 Array = NDArray[np.float64]
@@ -47,6 +47,8 @@ Array = NDArray[np.float64]
 TEMPLATE = "report.html.j2"
 QUALITY = 88
 """Of the pictures in the page (WebP), which makes them a third of the PNG files beside it."""
+SHOWN = ("title", "finished", "ending", "warnings", "steps", "wall_time", "travel", "versions")
+"""What the page shows of every summary."""
 
 
 @dataclass(frozen=True)
@@ -216,10 +218,12 @@ def _data(media: str, content: bytes) -> str:
 
 def _summary(directory: Path) -> dict[str, Any]:
     path = directory / SUMMARY
-    found = read_summary_file(path)
-    required(
-        found, path, "title", "finished", "ending", "warnings", "steps", "wall_time", "travel", "versions"
-    )
+    _text(path)  # It asks whether this is the directory of a run.
+    try:
+        found = read_summary_file(path)
+        required(found, path, *SHOWN)
+    except SummaryError as error:
+        raise OutputError(str(error)) from error
     return found
 
 
