@@ -88,7 +88,7 @@ def output_of(*command: str) -> str:
 def new_root(roots: Path, name: str, mirror: str | None) -> Path:
     """The root of that name; a copy of one that debootstrap filled, if it is not there yet."""
     base, root = roots / f"{SUITE}-base", roots / name
-    if not (base / "usr/bin/apt-get").exists() or not (base / ".complete").exists():
+    if not mark(base).exists():
         if mirror is None:
             # Of a Debian: a system of another origin has other packages at its mirror.
             lines = output_of(
@@ -107,11 +107,16 @@ def new_root(roots: Path, name: str, mirror: str | None) -> Path:
         )
         # As in images for containers: a root that breaks is made anew.
         (base / "etc/dpkg/dpkg.cfg.d/unsafe-io").write_text("force-unsafe-io\n", encoding="utf-8")
-        (base / ".complete").touch()
-    if not (root / ".complete").exists():
+        mark(base).touch()
+    if not mark(root).exists():
         shutil.rmtree(root, ignore_errors=True)
         subprocess.run(["cp", "--archive", "--reflink=auto", str(base), str(root)], check=True)
     return root
+
+
+def mark(root: Path) -> Path:
+    """The file that says that a root has all it needs; without it the root is made anew."""
+    return root.with_name(f"{root.name}.complete")
 
 
 def prepare(root: Path) -> None:
@@ -176,7 +181,7 @@ def tested(root: Path, system: str, command: Sequence[str]) -> int:
     folder = f"{home}/pfemcut"
     ready = inside(root, "scripts/setup.sh --packages", folder=folder, variables=variables)
     require(ready == 0, "the packages can't be installed")
-    (root / ".complete").touch()
+    mark(root).touch()
     say(f"{shlex.join(command)} on {system}")
     variables |= {"HOME": home, "OMP_NUM_THREADS": "1"}
     return inside(root, shlex.join(command), user="1000:1000", folder=folder, variables=variables)
@@ -212,7 +217,7 @@ def container(root: Path, calls: Sequence[Sequence[str]]) -> int:
             image.variables |= dict(item.split("=", 1) for item in shlex.split(rest))
         else:
             require(word in ("FROM", "ENTRYPOINT", "CMD"), f"unknown step {word}")
-    (root / ".complete").touch()
+    mark(root).touch()
     # Stands for the folder that `--volume` mounts.
     cases = root / image.folder[1:]
     shutil.rmtree(cases)
