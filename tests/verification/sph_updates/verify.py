@@ -107,6 +107,9 @@ def main() -> None:
         ("yielding, forgotten", False, True, {}),
         ("yielding, kept", False, False, {}),
         ("none", False, False, {"zero_energy": 0.0}),
+        ("yielding, kept, renewed at 0.25 h", False, False, {"reference_update": 0.25}),
+        ("yielding, kept, renewed at 0.15 h", False, False, {"reference_update": 0.15}),
+        ("yielding, kept, renewed at 0.8 h", False, False, {"reference_update": 0.8}),
     ]
     for name, elastic, forgotten, options in variants:
         with springs(elastic, forgotten):
