@@ -60,6 +60,7 @@ GROUPS = {
         "sph_tension",
         "sph_point",
         "sph_heat",
+        "sph_updates",
     ),
 }
 HEAD = "| Figure | Computed | Reference | Difference |\n|---|---|---|---|"
