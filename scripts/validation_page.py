@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -30,6 +31,7 @@ PUBLISHED = """\
 ## Published cases
 
 The paper's cases; 42CD4 against the experiment that it cites. Means ± standard deviations over the steady window.
+Pressing and cutting with SPH, and the Taylor bar's ladder of spacings: [particles](particles.md).
 """
 PREDICTED = """\
 ## Predictions of measured cuts
@@ -50,9 +52,13 @@ def main(arguments: Sequence[str]) -> int:
 
 def page() -> str:
     """The whole page."""
-    published = table(DEMOS).replace("](demos/", "](#")
+    recorded = [path.parent.parent for path in sorted(DEMOS.glob("*/results/comparison.json"))]
+    published = table(DEMOS)
+    for folder in recorded:
+        published = published.replace(f"](demos/{folder.name})", f"](#{folder.name})")
+    published = re.sub(r"\]\(demos/(\w+)\)", r"](../demos/\1/README.md)", published)
     parts = [INTRODUCTION, PUBLISHED, f"{published}\n"]
-    parts += [published_case(path.parent.parent) for path in sorted(DEMOS.glob("*/results/comparison.json"))]
+    parts += [published_case(folder) for folder in recorded]
     predicted = sorted(DEMOS.glob("*/results/predict.csv"))
     if predicted:
         parts += [PREDICTED, *(predicted_case(path.parent.parent) for path in predicted)]
