@@ -90,7 +90,8 @@ def damage_map(axes: Axes, frame: Frame, given: Mapping[str, Any], name: str) ->
     # Dots that just touch: the axes are about 7 inches wide.
     dot = (0.9 * 7.0 * 72.0 / float(size[0]) * float(given["lattice"]["spacing"])) ** 2
     shown = axes.scatter(
-        *places[order].T,
+        places[order, 0],
+        places[order, 1],
         c=values[order],
         s=dot,
         cmap="inferno_r",

@@ -17,7 +17,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from numpy.typing import NDArray
 
-from pfemcut.case.load import load_case
+from pfemcut.case.load import load_case, solid
 from pfemcut.case.particles import Cylinder, SolidsCase
 from pfemcut.output.directory import INPUTS
 from pfemcut.output.vtu import read_last_frame
@@ -141,7 +141,7 @@ def _row(outcome: Outcome) -> list[str | float]:
         outcome.variant.name,
         spacing,
         "yes" if case.particles.corrected else "no",
-        float(getattr(material.hardening, "melting_temperature", np.nan)),
+        float(getattr(solid(material).hardening, "melting_temperature", np.nan)),
         last["nodes"],
         last["time_steps"],
         bar.length,
