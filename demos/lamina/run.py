@@ -60,7 +60,8 @@ def work(arguments: Sequence[str]) -> bool:
     met = True
     for each in chosen:
         directory = options.output / each["name"].replace(" ", "_")
-        case = load_case(FOLDER / "case.toml", {"title": f"Lamina {each['name']}", **each.get("changes", {})})
+        common = {"title": f"Lamina {each['name']}", "output.figures": False}
+        case = load_case(FOLDER / "case.toml", {**common, **each.get("changes", {})})
         if not (start.resume and _is_finished(directory, case)):
             run(case, directory, resume=start.resume and directory.exists(), overwrite=start.overwrite)
         found = measured(directory, case, each)
