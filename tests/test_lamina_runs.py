@@ -16,6 +16,7 @@ from pfemcut.case.check import figures, warnings
 from pfemcut.case.load import CaseError, validated
 from pfemcut.driver import run_case
 from pfemcut.output.vtu import read_last_frame
+from pfemcut.peridynamics.fracture_mechanics import critical_load, opening_release_rate
 from pfemcut.peridynamics.integrate import compiled_bonds, family_stiffness
 from pfemcut.peridynamics.kernels import run_steps
 from pfemcut.peridynamics.lamina import young_modulus
@@ -149,6 +150,26 @@ def test_a_crack_starts_at_the_tips_of_a_line_crack() -> None:
     for number in (1, 2):
         assert abs(own[f"crack_{number}_start_x"]) < 1.5
         assert abs(own[f"crack_{number}_start_y"]) == pytest.approx(4.0, abs=1.5)
+
+
+def test_the_release_rate_of_an_isotropic_sheet_is_the_known_one() -> None:
+    sheet = replace(CARBON, axial_modulus=9000.0, transverse_modulus=9000.0)
+    assert opening_release_rate(sheet, 30.0) == pytest.approx(30.0**2 / 9000.0, rel=1e-9)
+
+
+def test_a_line_crack_grows_at_the_load_of_fracture_mechanics() -> None:
+    problem = plate(
+        90.0,
+        lamina={"length": 60.0, "width": 36.0},
+        lattice={"spacing": 0.9, "batch": 20},
+        crack=[{"length": 8.0, "angle": 90.0}],
+        pull={"speed": 500.0, "elongation": 0.2},
+    )
+    method = LatticeMethod.start(problem)
+    while method.own_measures()["broken_matrix_bonds"] == 0:
+        method.advance()
+    # The crack begins and ends between sites: half a spacing of its half length is 11 %, which is 6 % of the load.
+    assert method.current.totals.load == pytest.approx(critical_load(problem.lamina, problem.plate), rel=0.1)
 
 
 def test_fibre_bonds_break_only_where_they_may() -> None:

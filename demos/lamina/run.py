@@ -31,6 +31,7 @@ from pfemcut.output.directory import HISTORY, INPUTS, SUMMARY
 from pfemcut.output.lamina_figures import damage_map
 from pfemcut.output.picture_files import write_picture
 from pfemcut.output.vtu import read_last_frame
+from pfemcut.peridynamics.fracture_mechanics import critical_load
 from pfemcut.peridynamics.lamina import young_modulus
 from pfemcut.peridynamics.problem import LaminaProblem
 from pfemcut.results.history import read_table
@@ -60,7 +61,8 @@ def work(arguments: Sequence[str]) -> bool:
     met = True
     for each in chosen:
         directory = options.output / each["name"].replace(" ", "_")
-        case = load_case(FOLDER / "case.toml", {"title": f"Lamina {each['name']}", **each.get("changes", {})})
+        common = {"title": f"Lamina {each['name']}", "output.figures": False}
+        case = load_case(FOLDER / "case.toml", {**common, **each.get("changes", {})})
         if not (start.resume and _is_finished(directory, case)):
             run(case, directory, resume=start.resume and directory.exists(), overwrite=start.overwrite)
         found = measured(directory, case, each)
@@ -131,7 +133,7 @@ def measured(directory: Path, case: LoadedCase, given: Mapping[str, Any]) -> dic
                 min(math.dist(crack["start"], tip) for tip in tips) <= TIP_REACH * problem.spacing
                 for crack in found["cracks"]
             )
-        if math.isfinite(critical := lefm_load(problem)):
+        if math.isfinite(critical := critical_load(problem.lamina, problem.plate)):
             found["critical_load_by_lefm"] = _short(critical)
     return {**found, "met": met}
 
@@ -146,25 +148,6 @@ def centre_line_error(directory: Path, problem: LaminaProblem) -> float:
     elongation = problem.pull.speed * frame.time
     exact = elongation * sites[near, 0] / problem.plate.length
     return float(np.abs(displacement[near, 0] - exact).max() / elongation)
-
-
-def lefm_load(problem: LaminaProblem) -> float:
-    """Load (N) at which a crack along the fibre and across the pull grows, by linear fracture mechanics; nan of others.
-
-    G = K² sqrt(S11 S22 / 2) sqrt(sqrt(S22 / S11) + (2 S12 + S66) / (2 S11)) with the compliance S in axes 1 along and
-    2 across the crack (Sih, Paris and Irwin 1965), K = sigma sqrt(pi a sec(pi a / W)) (Feddersen 1966).
-    """
-    plate, lamina = problem.plate, problem.lamina
-    right = math.isclose(plate.fibre_angle, math.pi / 2)
-    if not right or len(plate.cracks) != 1 or not math.isclose(plate.cracks[0].angle, math.pi / 2):
-        return math.nan
-    s = np.linalg.inv(lamina.stiffness)
-    shape = math.sqrt(s[1, 1] / s[0, 0]) + (2.0 * s[0, 1] + s[2, 2]) / (2.0 * s[0, 0])
-    per_square = math.sqrt(0.5 * s[0, 0] * s[1, 1]) * math.sqrt(shape)
-    a = 0.5 * plate.cracks[0].length
-    intensity = math.sqrt(lamina.opening_energy / per_square)
-    stress = intensity / math.sqrt(math.pi * a / math.cos(math.pi * a / plate.width))
-    return stress * plate.width * plate.thickness
 
 
 def record(directory: Path, given: Mapping[str, Any], found: Mapping[str, Any]) -> None:

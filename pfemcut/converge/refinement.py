@@ -24,7 +24,7 @@ SIZES = (
     "spacing",
 )
 """Keys that scale with the mesh; the growth decides how fast the spacing widens, so it is one of them."""
-MESHES = (("mesh",), ("tool", "body"), ("tool", "conduction"), ("particles",))
+MESHES = (("mesh",), ("tool", "body"), ("tool", "conduction"), ("particles",), ("lattice",))
 """Tables that these keys are in."""
 CASE = "case"
 """Name of the case as it is."""

@@ -47,6 +47,7 @@ def write_lamina_figures(
     return [
         save(draw_load(history), directory / "load.png"),
         save(draw_damage(frame, given), directory / "damage.png"),
+        save(draw_energies(history), directory / "energies.png"),
     ]
 
 
@@ -64,6 +65,26 @@ def draw_load(history: Mapping[str, Array]) -> Figure:
         ha="right",
     )
     axes.set(xlabel="elongation (mm)", ylabel="load (kN)", title="Load against elongation")
+    axes.grid(alpha=0.3)
+    return figure
+
+
+def draw_energies(history: Mapping[str, Array]) -> Figure:
+    """Return what the grips' work and the start's kinetic energy became."""
+    figure, axes = plt.subplots(figsize=(6.2, 3.8), layout="constrained")
+    accounts = {
+        "elastic": history["elastic_energy"],
+        "kinetic": history["kinetic_energy"],
+        "broken bonds": history["fracture_energy"],
+        "dashpots": history["damping_energy"],
+    }
+    shown = {name: values for name, values in accounts.items() if values.any()}
+    axes.stackplot(history["travel"], *shown.values(), labels=list(shown), alpha=0.6)
+    axes.plot(
+        history["travel"], history["tool_work"], color="black", linewidth=1.0, label="work of the grips"
+    )
+    axes.set(xlabel="elongation (mm)", ylabel="energy (mJ)", title="Energies")
+    axes.legend(loc="upper left", fontsize="small")
     axes.grid(alpha=0.3)
     return figure
 
@@ -89,10 +110,9 @@ def damage_map(axes: Axes, frame: Frame, given: Mapping[str, Any], name: str) ->
     order = np.argsort(values, kind="stable")
     # Dots that just touch: the axes are about 7 inches wide.
     dot = (0.9 * 7.0 * 72.0 / float(size[0]) * float(given["lattice"]["spacing"])) ** 2
-    x, y = places[order].T
     shown = axes.scatter(
-        x,
-        y,
+        places[order, 0],
+        places[order, 1],
         c=values[order],
         s=dot,
         cmap="inferno_r",

@@ -145,7 +145,8 @@ def _materials(table: Mapping[str, Any]) -> Iterator[MaterialInputs]:
 def _constants(material: Mapping[str, Any]) -> Iterator[InputRow]:
     sources = material.get("sources", {})
     given = {key: value for key, value in material.items() if key not in _WORDS}
-    for row in _rows(given, [MaterialTable, LaminaTable], ""):
+    model = LaminaTable if "axial_modulus" in given else MaterialTable
+    for row in _rows(given, [model], ""):
         table, _, constant = row.key.rpartition(".")
         source = sources.get(row.key) or sources.get(constant) or sources.get(table, "")
         yield replace(row, key=row.key.removeprefix("hardening."), source=source)

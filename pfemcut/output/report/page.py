@@ -120,7 +120,7 @@ def _draw(
         write_lamina_figures(figures, frame, history, given)
     else:
         write_figures(figures, frame, history, _window(history), depth, scales)
-    write_history_figures(figures, history)
+        write_history_figures(figures, history)
     write_profile_figure(directory)
     write_surface_pictures(directory, summary)
     # One of an earlier state would stay.
@@ -153,6 +153,7 @@ def _page(
     return environment.get_template(TEMPLATE).render(
         summary=summary,
         cut="cutting" in given,
+        lamina="lamina" in given,
         choices=_choices(given, directory),
         written=time.strftime("%Y-%m-%d %H:%M UTC", time.gmtime()),
         duration=duration(summary["wall_time"]["value"]),

@@ -75,6 +75,7 @@ PICTURES = (
         Section.FIELDS,
         "Formation of the chip (temperature), seen from the tool. All frames have the colour scale of the last.",
     ),
+    Picture("energies.png", Section.LEDGERS, "What the work of the grips became, stacked."),
     Picture("temperature.png", Section.FIELDS, "Temperature at the end."),
     Picture("plastic_strain.png", Section.FIELDS, "Equivalent plastic strain, averaged to the particles."),
     Picture("strain_rate.png", Section.FIELDS, "Equivalent plastic strain rate, over four decades."),
