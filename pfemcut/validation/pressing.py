@@ -2,9 +2,10 @@
 
 Of the last frame, the layer of particles that began nearest the middle of the thickness is looked at in the plane of
 the other two axes, there where it began 2 h or more away from the tool and the hold. Bands are ridges of the rate of
-plastic strain (see :mod:`pfemcut.particles.measures`) that stand out by a quarter of the field's 98th percentile; bands
-of plastic strain itself are given beside them. ``gradient`` is the mean of the strain's gradient over the mean strain
-(1/mm): it grows as bands become sharper.
+plastic strain (see :mod:`pfemcut.particles.measures`) that stand out by a quarter of the field's 95th percentile, above
+which the field is cut off: a few particles at the tool's corners flow faster. Bands of plastic strain itself are given
+beside them. ``gradient`` is the mean of the strain's gradient over the mean strain (1/mm): it grows as bands become
+sharper.
 """
 
 from __future__ import annotations
@@ -76,7 +77,7 @@ def found_bands(cloud: Cloud, name: str) -> tuple[Bands, Grid]:
     x = cloud.start[:, 0]
     chosen = middle_layer(cloud) & (x > x.min() + reach) & (x < x.max() - reach)
     values = cloud.fields[name]
-    limit = float(np.quantile(values[chosen], 0.98))
+    limit = float(np.quantile(values[chosen], 0.95))
     grid = gridded(cloud.points[chosen, :2], np.minimum(values[chosen], limit), controls.spacing)
     return bands(grid, 0.25 * limit), grid
 
