@@ -71,8 +71,8 @@ def crack_table(runs: Runs) -> str:
     ]
     for name, each in runs.items():
         cracks = each["cracks"]
-        start = ", ".join(f"{x:.2f}" for x in cracks[0]["start"]) if cracks else "no crack"
-        angles = ", ".join(f"{crack['angle']:.1f}°" for crack in cracks) or "–"
+        start = ", ".join(f"{round(x, 2) + 0.0:.2f}" for x in cracks[0]["start"]) if cracks else "no crack"
+        angles = ", ".join(f"{round(crack['angle'], 1) + 0.0:.1f}°" for crack in cracks) or "–"
         first = f"{each['load_at_first_break']:.0f}" if cracks else "–"
         rows.append(f"| {name} | {start} | {angles} | {first} | {each['peak_load']:.0f} | {each['parts']} |")
     return "\n".join(rows)
@@ -89,7 +89,7 @@ def spacing_table(runs: Runs) -> str:
         found = [each for name, each in runs.items() if name == case or name.startswith(f"{case} R")]
         for each in sorted(found, key=lambda each: -float(each["spacing"])):
             crack = each["cracks"][0]
-            start = ", ".join(f"{x:.2f}" for x in crack["start"])
+            start = ", ".join(f"{round(x, 2) + 0.0:.2f}" for x in crack["start"])
             theory = f"{each['critical_load_by_lefm']:.0f}" if "critical_load_by_lefm" in each else "–"
             rows.append(
                 f"| {case} | {each['spacing']:g} | {each['sites']} | {start} | {crack['angle']:.1f}° "

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.sparse.linalg import spsolve
@@ -10,6 +12,7 @@ from pfemcut.particles.neighbours import neighbours_within
 from pfemcut.peridynamics.bonds import bonds_of
 from pfemcut.peridynamics.crack_tip import elongation_matrix, tip_release
 from pfemcut.peridynamics.cracks import cracks, damage, parts
+from pfemcut.peridynamics.fracture_mechanics import hoop_stress, start_at_hole
 from pfemcut.peridynamics.lamina import strain_rotation, turned_stiffness, young_modulus
 from pfemcut.peridynamics.micromodulus import (
     CELL,
@@ -72,6 +75,17 @@ def test_laminate_theory_has_its_limits() -> None:
     turn = strain_rotation(0.7) @ strain_rotation(-0.7)
     assert turn == pytest.approx(np.eye(3), abs=1e-14)
     assert turned_stiffness(CARBON, 0.4) == pytest.approx(turned_stiffness(CARBON, 0.4 + np.pi), rel=1e-9)
+
+
+def test_the_stress_at_a_hole_has_its_limits() -> None:
+    n = np.sqrt(2.0 * (np.sqrt(120e3 / 8600.0) - 1.0 / 3.0) + 120e3 / CARBON.shear_modulus)
+    assert hoop_stress(CARBON, 0.0, np.array(np.pi / 2)) == pytest.approx(1.0 + n)
+    sheet = replace(CARBON, axial_modulus=9e3, transverse_modulus=9e3)
+    found = hoop_stress(sheet, 0.3, np.array([0.3, 0.3 + np.pi / 2]))
+    assert found == pytest.approx([-1.0, 3.0])
+    # A pull across the fibre cracks the hole where its edge is straight across the pull; at 45 degrees beside it.
+    assert start_at_hole(CARBON, np.pi / 2, 3.0) == pytest.approx((0.0, 3.0), abs=0.01)
+    assert start_at_hole(CARBON, np.pi / 4, 3.0) == pytest.approx((1.21, 2.75), abs=0.02)
 
 
 def test_bonds_at_the_critical_stretch_hold_the_energy_of_the_faces() -> None:
