@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from pfemcut.method import RunStopped
 from pfemcut.particles.cells import NeighbourList
 from pfemcut.particles.formulation import Evaluation
-from pfemcut.particles.problem import ParticleProblem
+from pfemcut.particles.problem import ParticleBody, ParticleProblem
 from pfemcut.particles.small_matrices import determinant, inverse, product, transposed
 from pfemcut.particles.state import Arrays
 from pfemcut.particles.stress import PointState, cauchy_stress, linear_pressure, updated_bodies, von_mises
@@ -59,9 +59,7 @@ class TotalLagrangian:
         self._near = NeighbourList(problem.smoothing.spacing)
         self._materials = [body.material for body in problem.bodies]
         # Nothing happens between the particles of a rigid body, so each is its own group and has no neighbours.
-        rigid = np.repeat(
-            [bool(body.held.all()) for body in problem.bodies], np.bincount(problem.body_number)
-        )
+        rigid = np.repeat([_is_rigid(body) for body in problem.bodies], np.bincount(problem.body_number))
         self._group = np.where(rigid, -1 - np.arange(len(rigid)), problem.body_number)
 
     @property
@@ -208,3 +206,9 @@ class TotalLagrangian:
             problem.smoothing.smoothing_length,
             problem.smoothing.corrected,
         )
+
+
+def _is_rigid(body: ParticleBody) -> bool:
+    """Whether all particles keep one and the same velocity."""
+    velocity = np.broadcast_to(body.velocity, body.points.shape)
+    return bool(body.held.all() and (velocity == velocity[0]).all())
