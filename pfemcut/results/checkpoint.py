@@ -23,7 +23,7 @@ from pfemcut.inputs import UserError
 State = Mapping[str, NDArray[np.generic]]
 
 FORMAT = "pfemcut checkpoint"
-VERSION = 3
+VERSION = 4
 NAME = "checkpoint.h5"
 PREVIOUS = "checkpoint.previous.h5"
 
