@@ -142,8 +142,23 @@ class Gauge:
     axis: int
 
 
+class OneStage:
+    """A problem whose run is one stage, until the end of its ``time``."""
+
+    time: ExplicitTime
+
+    @property
+    def course(self) -> Course:
+        """How far a run is at each time."""
+        return straight(self.time.end)
+
+    def ends_stage(self, time: float) -> bool:
+        """Whether a stage ends at ``time`` (s); there is one only."""
+        return abs(time - self.time.end) <= 1e-9 * self.time.end
+
+
 @dataclass(frozen=True)
-class ParticleProblem:
+class ParticleProblem(OneStage):
     """A complete problem for an explicit particle method.
 
     Attributes
@@ -181,15 +196,6 @@ class ParticleProblem:
     cut: tuple[Cut, ...] = ()
     gauges: tuple[Gauge, ...] = ()
     conduction: bool = False
-
-    @property
-    def course(self) -> Course:
-        """How far a run is at each time."""
-        return straight(self.time.end)
-
-    def ends_stage(self, time: float) -> bool:
-        """Whether a stage ends at ``time`` (s); there is one only."""
-        return abs(time - self.time.end) <= 1e-9 * self.time.end
 
     def cutting_at(self, time: float) -> bool:
         """Whether a step that ended at ``time`` (s) belongs to a cut."""

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from pfemcut.particles.problem import ExplicitTime
+from pfemcut.particles.problem import ExplicitTime, OneStage
 from pfemcut.peridynamics.lamina import Lamina
 from pfemcut.peridynamics.micromodulus import (
     CELL,
@@ -22,7 +22,6 @@ from pfemcut.peridynamics.micromodulus import (
 )
 from pfemcut.peridynamics.plate import Plate, lattice_sites
 from pfemcut.problem import Cut, MovingTool
-from pfemcut.problem.course import Course, straight
 
 if TYPE_CHECKING:
     from pfemcut.peridynamics.bonds import Bonds
@@ -81,7 +80,7 @@ class Pull:
 
 
 @dataclass(frozen=True)
-class LaminaProblem:
+class LaminaProblem(OneStage):
     """A complete problem of a lamina in tension.
 
     Attributes
@@ -106,15 +105,6 @@ class LaminaProblem:
     damping: float
     cut: tuple[Cut, ...] = ()
     tool: tuple[MovingTool, ...] = ()
-
-    @property
-    def course(self) -> Course:
-        """How far a run is at each time."""
-        return straight(self.time.end)
-
-    def ends_stage(self, time: float) -> bool:
-        """Whether a stage ends at ``time`` (s); there is one only."""
-        return abs(time - self.time.end) <= 1e-9 * self.time.end
 
     def cutting_at(self, time: float) -> bool:
         """Whether a step that ended at ``time`` (s) belongs to a cut; none does."""
