@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from pfemcut.case.load import validated
 from pfemcut.case.translate import problem_of
+from pfemcut.particles.method import ParticleMethod
 from pfemcut.particles.problem import ParticleProblem
 
 Array = NDArray[np.float64]
@@ -89,3 +90,14 @@ CUT = {
     "output": {"every": 2, "checkpoint_every": 2, "figures": False},
 }
 """A short cut with few particles, as a case file; the method is to be given."""
+
+
+def impact(method: ParticleMethod[Any], problem: ParticleProblem) -> tuple[list[float], list[float]]:
+    """Run two bodies to the end: their gap along x after each batch, and their mean velocities at the end."""
+    gaps = []
+    one, other = problem.ranges
+    while not method.finished:
+        method.advance()
+        x = method.current.positions[:, 0]
+        gaps.append(float(x[other].min() - x[one].max()))
+    return gaps, [float(method.current.velocities[part, 0].mean()) for part in (one, other)]

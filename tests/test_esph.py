@@ -10,22 +10,19 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from particle_problems import CUT, ELASTIC, TAYLOR, block, moving
-from scipy.spatial import cKDTree
+from particle_problems import CUT, ELASTIC, TAYLOR, block, impact, moving
 
 from pfemcut.case.load import directed, validated
 from pfemcut.driver import run_case
 from pfemcut.particles.cells import NeighbourList, pairs_in_cells
-from pfemcut.particles.integrate import advance, initial_state
 from pfemcut.particles.lattice import box_lattice
 from pfemcut.particles.method import ParticleMethod
 from pfemcut.particles.neighbours import neighbours_within
-from pfemcut.particles.state import State
 from pfemcut.results.history import read_table
 from pfemcut.sph.esph import Eulerian
 from pfemcut.sph.eulerian import PairConstants, pair_forces, velocity_sums
 from pfemcut.sph.reference import inverse_moments
-from pfemcut.sph.tlsph import TotalLagrangian
+from tests.verification.sph_tension.verify import stretched
 
 Array = NDArray[np.float64]
 SPACING, SMOOTHING = 0.1, 0.15
@@ -136,19 +133,6 @@ def test_a_free_body_that_turns_gets_no_stress() -> None:
     assert np.abs(method.current.material.deviator).max() < 0.03 * 792.0
 
 
-def stretched(model: TotalLagrangian | Eulerian, ratio: float, steps: int) -> State[Any]:
-    """A block held all round, under uniform tension by its volume ratio at the start, after some steps."""
-    state: Any = initial_state(model)  # type: ignore[arg-type]
-    ratios = np.full(len(state.positions), ratio)
-    if isinstance(model, Eulerian):
-        state = replace(state, memory=replace(state.memory, volume_ratio=ratios))
-    else:
-        state = replace(state, memory=replace(state.memory, reference_ratio=ratios))
-    for _ in range(steps):
-        state = advance(model, state)
-    return state
-
-
 @pytest.mark.parametrize("corrected", [False, True])
 @pytest.mark.parametrize(
     ("method", "gamma", "clusters"), [("esph", 0.0, True), ("esph", 0.3, False), ("tlsph", 0.0, False)]
@@ -157,29 +141,8 @@ def test_tension_makes_clusters_in_eulerian_sph_alone(
     method: str, gamma: float, clusters: bool, corrected: bool
 ) -> None:
     """Elastic, 15 % larger than its mass wants, disturbed by 0.1 m/s: the nearest pair is below 0.3 or above 0.9 dp."""
-    size, width = 1.5, 0.3
-    hold = [
-        {"box": [[0.0, 0.0], [width, size]]},
-        {"box": [[size - width, 0.0], [size, size]]},
-        {"box": [[0.0, 0.0], [size, width]]},
-        {"box": [[0.0, size - width], [size, size]]},
-    ]
-    problem = block(
-        (size, size),
-        method=method,
-        material={**ELASTIC, "poisson_ratio": 0.3},
-        hold=hold,
-        end=1.0,
-        artificial_pressure=gamma,
-        corrected=corrected,
-        zero_energy=0.0,
-        reference_update=0.0,
-    )
-    random = np.random.default_rng(0)
-    problem = moving(problem, lambda x: np.where(problem.held, 0.0, 100.0 * random.normal(size=x.shape)))
-    state = stretched(Eulerian(problem) if method == "esph" else TotalLagrangian(problem), 1.15, 300)
-    nearest = cKDTree(state.positions).query(state.positions, 2)[0][:, 1].min() / SPACING
-    assert nearest < 0.3 if clusters else nearest > 0.9
+    _, nearest = stretched(method, gamma, corrected, 1.15)
+    assert nearest[-1] < 0.3 if clusters else nearest[-1] > 0.9
 
 
 def test_bodies_touch_through_the_same_sums() -> None:
@@ -190,12 +153,7 @@ def test_bodies_touch_through_the_same_sums() -> None:
     right = replace(body, points=body.points + [0.75, 0.0], velocity=np.array([-1e5, 0.0]))
     problem = replace(one, bodies=(left, right), time=replace(one.time, end=3e-6))
     method = ParticleMethod.start(Eulerian(problem))
-    gap = []
-    while not method.finished:
-        method.advance()
-        x = method.current.positions[:, 0]
-        gap.append(x[problem.ranges[1]].min() - x[problem.ranges[0]].max())
-    assert min(gap) > 0.5 * SPACING
-    mean = [method.current.velocities[part, 0].mean() for part in problem.ranges]
+    gaps, mean = impact(method, problem)
+    assert min(gaps) > 0.5 * SPACING
     assert mean[0] < -2e4
     assert mean[1] == pytest.approx(-mean[0], rel=1e-6)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from particle_problems import CUT, block
+from particle_problems import CUT, ELASTIC, block
 
 from pfemcut.case.load import validated
 from pfemcut.case.translate import problem_of
@@ -25,19 +25,7 @@ from pfemcut.sph.esph import Eulerian
 from pfemcut.sph.tlsph import TotalLagrangian
 
 Array = NDArray[np.float64]
-CONDUCTING = {
-    "name": "conducting",
-    "source": "none",
-    "young_modulus": 200e3,
-    "poisson_ratio": 0.3,
-    "density": 7.8e-9,
-    "capacity": 470e6,
-    "conductivity": 50.0,
-    "expansion": 0.0,
-    "reference_temperature": 293.0,
-    "taylor_quinney": 0.9,
-    "hardening": {"law": "elastic"},
-}
+CONDUCTING = {**ELASTIC, "name": "conducting", "poisson_ratio": 0.3}
 DIFFUSIVITY = 50.0 / (7.8e-9 * 470e6)
 CASES = {"tlsph": TotalLagrangian, "esph": Eulerian}
 
