@@ -91,6 +91,24 @@ CUT = {
 }
 """A short cut with few particles, as a case file; the method is to be given."""
 
+PRESSING: dict[str, Any] = {
+    "problem": "solids",
+    "body": [
+        {"name": "block", "box": [[0.0, 0.0], [0.5, 0.3]], "material": "aisi4340"},
+        {
+            "name": "tool",
+            "box": [[0.5, -0.1], [0.6, 0.4]],
+            "material": "aisi4340",
+            "velocity": [-200e3, 0.0],
+            "rigid": True,
+        },
+    ],
+    "hold": [{"box": [[0.0, 0.0], [0.05, 0.3]]}],
+    "particles": {"spacing": 0.05},
+    "time": {"end": 5e-7},
+}
+"""A rigid body that presses another one, held at its far side."""
+
 
 def impact(method: ParticleMethod[Any], problem: ParticleProblem) -> tuple[list[float], list[float]]:
     """Run two bodies to the end: their gap along x after each batch, and their mean velocities at the end."""

@@ -2,7 +2,8 @@
 
     python demos/cutting_esph/cuts.py [-o DIR] [--resume | --overwrite] [--only NAME] [--conclude]
 
-Spacing 0.02 mm for both feeds; one run is without artificial pressure.
+Spacings 0.02 mm and 0.01 mm, the paper's. Bodies touch by pinballs; runs "gamma_0" are without artificial pressure, in
+"kernel" bodies touch by the sums over the kernel, as in the paper.
 The melting temperature is the one that the paper prints, 1573 K.
 Concludes from the runs that are finished: results/cuts.csv, cuts.json and pictures.
 """

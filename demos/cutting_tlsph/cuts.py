@@ -2,7 +2,7 @@
 
     python demos/cutting_tlsph/cuts.py [-o DIR] [--resume | --overwrite] [--only NAME] [--conclude]
 
-Spacing 0.02 mm for both feeds, and the paper's 0.01 mm.
+Spacings 0.02 mm and 0.01 mm, the paper's.
 The melting temperature is the one that the paper prints, 1573 K; one run has that of the literature.
 Concludes from the runs that are finished: results/cuts.csv, cuts.json and pictures.
 """

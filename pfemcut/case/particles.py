@@ -88,10 +88,13 @@ class SolidsParticles(ExplicitParticles):
         description="Whether heat flows between particles, with tlsph of one body, with esph of all; false: adiabatic",
     )
     spacing: float = Field(gt=0, description="Distance of particles at the start (mm)")
+    contact: Literal["kernel", "pinball"] | None = Field(
+        default=None,
+        description="How bodies touch: by the sums over the kernel (esph only, and its default) or by pinballs",
+    )
     pinball: Annotated[tuple[float, float], BeforeValidator(as_tuples)] = Field(
         default=(0.0, 1.0),
-        description="Factors k1 and k2 of contact between bodies with tlsph (dimensionless); k1 = 0 leaves Hertz's law "
-        "alone",
+        description="Factors k1 and k2 of pinballs (dimensionless); k1 = 0 leaves Hertz's law alone",
     )
 
 
@@ -192,6 +195,14 @@ class SolidsCase(Section):
         ]
         if wrong:
             raise ValueError("\n".join(wrong))
+        return self
+
+    @model_validator(mode="after")
+    def _has_its_contact(self) -> Self:
+        if self.method == "tlsph" and self.particles.contact == "kernel":
+            raise ValueError(
+                "[particles] contact: given 'kernel'; with method = 'tlsph' bodies touch by pinballs only"
+            )
         return self
 
     @property

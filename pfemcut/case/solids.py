@@ -126,7 +126,11 @@ def solids_problem(case: SolidsCase, material: Material, base_directory: Path) -
         tool=(),
         contact=ContactLaw(stiffest / spacing, Coulomb(coefficient=0.0), 1.0, 0.5),
         time=explicit_time(case.particles, case.time.end),
-        smoothing=smoothing_controls(case.particles, spacing),
+        smoothing=smoothing_controls(
+            case.particles,
+            spacing,
+            kernel_contact=case.method == "esph" and case.particles.contact != "pinball",
+        ),
         gauges=gauges,
         conduction=case.particles.conduction,
     )
@@ -137,7 +141,9 @@ def explicit_time(given: ExplicitParticles, end: float) -> ExplicitTime:
     return ExplicitTime(end, given.courant, given.batch, given.mass_scaling)
 
 
-def smoothing_controls(given: ExplicitParticles, spacing: float) -> SmoothingControls:
+def smoothing_controls(
+    given: ExplicitParticles, spacing: float, *, kernel_contact: bool = False
+) -> SmoothingControls:
     """Constants of SPH with particles ``spacing`` (mm) apart."""
     return SmoothingControls(
         spacing=spacing,
@@ -149,6 +155,7 @@ def smoothing_controls(given: ExplicitParticles, spacing: float) -> SmoothingCon
         reference_update=given.reference_update,
         artificial_pressure=given.artificial_pressure,
         pinball=given.pinball if isinstance(given, SolidsParticles) else (0.0, 0.0),
+        kernel_contact=kernel_contact,
     )
 
 

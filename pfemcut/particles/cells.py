@@ -19,9 +19,13 @@ _SKIN = 0.15
 _MOST_CELLS = 8
 """Cells a particle; beyond, where some have flown off, cells are made larger."""
 
+_NO_GROUPS: IntArray = np.zeros(0, dtype=np.int64)
+
 
 class NeighbourList:
     """Neighbours within a radius (mm) of points that move.
+
+    Points of different ``group`` (n,) are no neighbours, if groups are given.
 
     Attributes
     ----------
@@ -29,8 +33,9 @@ class NeighbourList:
         Rows of neighbours as in :class:`pfemcut.particles.neighbours.Neighbours`, with those in the skin.
     """
 
-    def __init__(self, radius: float) -> None:
+    def __init__(self, radius: float, group: IntArray = _NO_GROUPS) -> None:
         self._radius = radius
+        self._group = group
         self._made_at: Array = np.empty((0, 0))
         self.offsets: IntArray = np.zeros(1, dtype=np.int64)
         self.indices: IntArray = np.zeros(0, dtype=np.int64)
@@ -42,7 +47,8 @@ class NeighbourList:
             moved -= moved.mean(axis=0)
             if np.max(np.einsum("na,na->n", moved, moved)) <= (0.5 * _SKIN * self._radius) ** 2:
                 return
-        self.offsets, self.indices = pairs_in_cells(points, (1.0 + _SKIN) * self._radius)
+        found = pairs_in_cells(points, (1.0 + _SKIN) * self._radius)
+        self.offsets, self.indices = _of_one_group(*found, self._group) if len(self._group) else found
         self._made_at = points
 
 
@@ -66,6 +72,12 @@ def pairs_in_cells(points: Array, radius: float) -> tuple[IntArray, IntArray]:
     indices = np.empty(int(offsets[-1]), dtype=np.int64)
     _rows(points, radius * radius, places, shape, members, starts, offsets, indices)
     return offsets, _transposed(offsets, indices)
+
+
+def _of_one_group(offsets: IntArray, indices: IntArray, group: IntArray) -> tuple[IntArray, IntArray]:
+    """The rows without neighbours of other groups."""
+    kept = group[indices] == np.repeat(group, np.diff(offsets))
+    return np.concatenate([[0], np.cumsum(kept)])[offsets], indices[kept]
 
 
 @njit(parallel=True, cache=True)

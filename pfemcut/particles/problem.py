@@ -58,6 +58,12 @@ class ParticleBody:
     velocity: Array
     held: BoolArray
 
+    @property
+    def rigid(self) -> bool:
+        """Whether all particles keep one and the same velocity."""
+        velocity = np.broadcast_to(self.velocity, self.points.shape)
+        return bool(self.held.all() and (velocity == velocity[0]).all())
+
 
 @dataclass(frozen=True)
 class Wall:
@@ -120,7 +126,9 @@ class SmoothingControls:
     artificial_pressure
         gamma (Eulerian).
     pinball
-        Factors k1 and k2 of contact between bodies (total-Lagrangian).
+        Factors k1 and k2 of contact between bodies by pinballs.
+    kernel_contact
+        Whether bodies of the Eulerian method touch by the sums over the kernel instead.
     """
 
     spacing: float
@@ -132,6 +140,7 @@ class SmoothingControls:
     reference_update: float
     artificial_pressure: float
     pinball: tuple[float, float]
+    kernel_contact: bool
 
 
 @dataclass(frozen=True)
@@ -209,13 +218,23 @@ class ParticleProblem(OneStage):
     @cached_property
     def ranges(self) -> tuple[slice, ...]:
         """Particles of each body."""
-        ends = np.cumsum([0] + [len(body.points) for body in self.bodies])
+        ends = np.cumsum([0, *self._counts])
         return tuple(slice(int(a), int(b)) for a, b in zip(ends[:-1], ends[1:], strict=True))
 
     @cached_property
     def body_number(self) -> IntArray:
         """Body of each particle; shape (n,)."""
-        return np.repeat(np.arange(len(self.bodies)), [len(body.points) for body in self.bodies])
+        return np.repeat(np.arange(len(self.bodies)), self._counts)
+
+    @property
+    def _counts(self) -> list[int]:
+        return [len(body.points) for body in self.bodies]
+
+    @cached_property
+    def group(self) -> IntArray:
+        """Particles of one number are neighbours: those of a body; of rigid ones each is alone; shape (n,)."""
+        own = -1 - np.arange(len(self.body_number))
+        return np.where(np.repeat([body.rigid for body in self.bodies], self._counts), own, self.body_number)
 
     @cached_property
     def points(self) -> Array:

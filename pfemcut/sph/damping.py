@@ -28,7 +28,8 @@ class Springs:
     slip
         Hidden length of each entry at which its spring is relaxed (mm); shape (k,).
     limit
-        Strain that a spring of a particle can bear, infinite where the material is elastic; shape (n,).
+        Strain, over its length, that a spring of a particle can bear, infinite where the material is elastic;
+        shape (n,).
     """
 
     slip: Array
@@ -104,6 +105,7 @@ def damping_force(
         rows.indices,
         reference.gradient_weight,
         reference.distance,
+        reference.spring_length,
         reference.spring_weight,
         reference.points,
         reference.volume,
@@ -125,6 +127,7 @@ def _damping_2d(  # type: ignore[no-untyped-def]
     indices,
     weight,
     distance,
+    spring_length,
     spring_weight,
     points,
     volume,
@@ -162,7 +165,7 @@ def _damping_2d(  # type: ignore[no-untyped-def]
                 image_y += (gradient[i, 1, 1] + gradient[j, 1, 1]) * far_y
                 # The length now, minus (F_i + F_j)/2 (X_j - X_i) along the line now.
                 hidden = length - 0.5 * (image_x * x + image_y * y) * inverse
-                borne = _borne(hidden - slip[k], min(limit[i], limit[j]) * distance[k])
+                borne = _borne(hidden - slip[k], min(limit[i], limit[j]) * spring_length[k])
                 new_slip[k] = hidden - borne
                 pull = volume[j] * spring_weight[k] * borne * inverse
                 cx += pull * x
@@ -179,6 +182,7 @@ def _damping_3d(  # type: ignore[no-untyped-def]
     indices,
     weight,
     distance,
+    spring_length,
     spring_weight,
     points,
     volume,
@@ -225,7 +229,7 @@ def _damping_3d(  # type: ignore[no-untyped-def]
                 image_z += (gradient[i, 2, 2] + gradient[j, 2, 2]) * far_z
                 # The length now, minus (F_i + F_j)/2 (X_j - X_i) along the line now.
                 hidden = length - 0.5 * (image_x * x + image_y * y + image_z * z) * inverse
-                borne = _borne(hidden - slip[k], min(limit[i], limit[j]) * distance[k])
+                borne = _borne(hidden - slip[k], min(limit[i], limit[j]) * spring_length[k])
                 new_slip[k] = hidden - borne
                 pull = volume[j] * spring_weight[k] * borne * inverse
                 cx += pull * x

@@ -1,7 +1,9 @@
 """Eulerian SPH: kernel sums over the present configuration (Islam et al. 2019, section 2.1; Libersky et al. 1993).
 
-Neighbours change as particles move, so nothing has to be cut or joined, and bodies touch through the same sums. Under
-tension particles cluster (Swegle, Hicks and Attaway 1995), which artificial pressure holds up.
+Neighbours change as particles move, so nothing has to be cut or joined, and bodies touch through the same sums, unless
+pinballs are asked for. These sums also resist sliding, as if bodies stuck together, and a rigid body takes part in them
+like any other: it is strained, yields and is heated where the other one passes. Under tension particles cluster
+(Swegle, Hicks and Attaway 1995), which artificial pressure holds up.
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ from pfemcut.particles.small_matrices import product
 from pfemcut.particles.state import Arrays
 from pfemcut.particles.stress import PointState, cauchy_stress, linear_pressure, updated_bodies
 from pfemcut.sph.eulerian import PairConstants, pair_forces, support, velocity_sums
+from pfemcut.sph.pinball import PinballContact
 from pfemcut.sph.reference import inverse_moments
 
 Array = NDArray[np.float64]
@@ -38,8 +41,14 @@ class Eulerian:
         self._problem = problem
         self._bulk = problem.by_body([body.material.bulk_modulus for body in problem.bodies])
         self._materials = [body.material for body in problem.bodies]
-        self._neighbours = NeighbourList(support(problem.smoothing.smoothing_length))
         controls = problem.smoothing
+        reach = support(controls.smoothing_length)
+        if controls.kernel_contact:
+            self._neighbours = NeighbourList(reach)
+            self._pinballs: tuple[PinballContact, ...] = ()
+        else:
+            self._neighbours = NeighbourList(reach, problem.group)
+            self._pinballs = (PinballContact(problem),)
         self._constants = PairConstants(
             smoothing_length=controls.smoothing_length,
             spacing=controls.spacing,
@@ -106,7 +115,9 @@ class Eulerian:
             internal=internal,
             viscous=viscous,
             control=repulsive,
-            between=np.zeros_like(internal),
+            between=sum(
+                (each.forces(positions, velocities, dt) for each in self._pinballs), np.zeros_like(internal)
+            ),
             material=update.state,
             volume_ratio=volume_ratio,
             plastic_work=float(update.plastic_work @ (problem.volume * volume_ratio)),

@@ -155,9 +155,11 @@ def pair_forces(
 ) -> tuple[Array, Array, Array]:
     """Forces of stress, of artificial viscosity and of artificial pressure; shape (n, d) each.
 
-    m_i sum_j m_j (sigma_i / rho_i² + sigma_j / rho_j² - Pi - P_a) gradient (Islam et al. 2019, eqs. 8 and 12 to 16):
+    sum_j [V_i V_j (sigma_i + sigma_j) - m_i m_j (Pi + P_a)] gradient (Islam et al. 2019, eqs. 8 and 12 to 16):
 
-    1. Stress, by Gray, Monaghan and Swift 2001; ``stress`` may hold sigma K⁻¹.
+    1. Stress; ``stress`` may hold sigma K⁻¹. The paper has m_i m_j (sigma_i / rho_i² + sigma_j / rho_j²), which does
+       other work than the stress at the particles with the velocity gradient of its eq. 9: with V_i V_j these are
+       conjugate (Bonet and Lok 1999). Where densities are equal there is no difference.
     2. Viscosity of Monaghan and Gingold 1983 on pairs that approach: Pi = (-alpha c mu + beta mu²) / rho with
        mu = h v·x / (x² + 0.01 h²).
     3. Artificial pressure, unless both particles are compressed: P_a = gamma (|p_i| / rho_i² + |p_j| / rho_j²)
@@ -190,8 +192,9 @@ def pair_forces(
         positions,
         velocities,
         mass,
+        mass / density,
         density,
-        stress / squared[:, None, None],
+        stress,
         pressure / squared,
         (h, constants.alpha, constants.beta, constants.sound_speed),
         (constants.gamma if at_spacing > 0.0 else 0.0, at_spacing, exponent),
@@ -202,7 +205,18 @@ def pair_forces(
 
 @njit(parallel=True, cache=True)
 def _pair_forces_2d(  # type: ignore[no-untyped-def]
-    offsets, indices, positions, velocities, mass, density, stress, pressure, viscosity, artificial, scale
+    offsets,
+    indices,
+    positions,
+    velocities,
+    mass,
+    volume,
+    density,
+    stress,
+    pressure,
+    viscosity,
+    artificial,
+    scale,
 ):
     smoothing = viscosity[0]
     count = len(positions)
@@ -216,30 +230,45 @@ def _pair_forces_2d(  # type: ignore[no-untyped-def]
             square = x * x + y * y
             if square < reach:
                 distance = np.sqrt(square)
-                weight = -mass[i] * mass[j] * scale * shape_slope(distance / smoothing) / distance
+                weight = -scale * shape_slope(distance / smoothing) / distance
                 gx, gy = weight * x, weight * y
-                fx += (stress[i, 0, 0] + stress[j, 0, 0]) * gx + (stress[i, 0, 1] + stress[j, 0, 1]) * gy
-                fy += (stress[i, 1, 0] + stress[j, 1, 0]) * gx + (stress[i, 1, 1] + stress[j, 1, 1]) * gy
+                fx += volume[j] * (
+                    (stress[i, 0, 0] + stress[j, 0, 0]) * gx + (stress[i, 0, 1] + stress[j, 0, 1]) * gy
+                )
+                fy += volume[j] * (
+                    (stress[i, 1, 0] + stress[j, 1, 0]) * gx + (stress[i, 1, 1] + stress[j, 1, 1]) * gy
+                )
                 closing = x * (velocities[j, 0] - velocities[i, 0]) + y * (
                     velocities[j, 1] - velocities[i, 1]
                 )
                 if closing < 0.0:
-                    push = _viscosity(viscosity, closing, square, density[i], density[j])
+                    push = mass[j] * _viscosity(viscosity, closing, square, density[i], density[j])
                     vx -= push * gx
                     vy -= push * gy
                 if artificial[0] > 0.0 and (pressure[i] < 0.0 or pressure[j] < 0.0):
-                    push = _artificial(artificial, distance / smoothing, pressure[i], pressure[j])
+                    push = mass[j] * _artificial(artificial, distance / smoothing, pressure[i], pressure[j])
                     rx -= push * gx
                     ry -= push * gy
-        internal[i, 0], internal[i, 1] = fx, fy
-        viscous[i, 0], viscous[i, 1] = vx, vy
-        repulsive[i, 0], repulsive[i, 1] = rx, ry
+        internal[i, 0], internal[i, 1] = volume[i] * fx, volume[i] * fy
+        viscous[i, 0], viscous[i, 1] = mass[i] * vx, mass[i] * vy
+        repulsive[i, 0], repulsive[i, 1] = mass[i] * rx, mass[i] * ry
     return internal, viscous, repulsive
 
 
 @njit(parallel=True, cache=True)
 def _pair_forces_3d(  # type: ignore[no-untyped-def]
-    offsets, indices, positions, velocities, mass, density, stress, pressure, viscosity, artificial, scale
+    offsets,
+    indices,
+    positions,
+    velocities,
+    mass,
+    volume,
+    density,
+    stress,
+    pressure,
+    viscosity,
+    artificial,
+    scale,
 ):
     smoothing = viscosity[0]
     count = len(positions)
@@ -254,19 +283,19 @@ def _pair_forces_3d(  # type: ignore[no-untyped-def]
             square = x * x + y * y + z * z
             if square < reach:
                 distance = np.sqrt(square)
-                weight = -mass[i] * mass[j] * scale * shape_slope(distance / smoothing) / distance
+                weight = -scale * shape_slope(distance / smoothing) / distance
                 gx, gy, gz = weight * x, weight * y, weight * z
-                fx += (
+                fx += volume[j] * (
                     (stress[i, 0, 0] + stress[j, 0, 0]) * gx
                     + (stress[i, 0, 1] + stress[j, 0, 1]) * gy
                     + (stress[i, 0, 2] + stress[j, 0, 2]) * gz
                 )
-                fy += (
+                fy += volume[j] * (
                     (stress[i, 1, 0] + stress[j, 1, 0]) * gx
                     + (stress[i, 1, 1] + stress[j, 1, 1]) * gy
                     + (stress[i, 1, 2] + stress[j, 1, 2]) * gz
                 )
-                fz += (
+                fz += volume[j] * (
                     (stress[i, 2, 0] + stress[j, 2, 0]) * gx
                     + (stress[i, 2, 1] + stress[j, 2, 1]) * gy
                     + (stress[i, 2, 2] + stress[j, 2, 2]) * gz
@@ -276,18 +305,20 @@ def _pair_forces_3d(  # type: ignore[no-untyped-def]
                 )
                 closing += z * (velocities[j, 2] - velocities[i, 2])
                 if closing < 0.0:
-                    push = _viscosity(viscosity, closing, square, density[i], density[j])
+                    push = mass[j] * _viscosity(viscosity, closing, square, density[i], density[j])
                     vx -= push * gx
                     vy -= push * gy
                     vz -= push * gz
                 if artificial[0] > 0.0 and (pressure[i] < 0.0 or pressure[j] < 0.0):
-                    push = _artificial(artificial, distance / smoothing, pressure[i], pressure[j])
+                    push = mass[j] * _artificial(artificial, distance / smoothing, pressure[i], pressure[j])
                     rx -= push * gx
                     ry -= push * gy
                     rz -= push * gz
-        internal[i, 0], internal[i, 1], internal[i, 2] = fx, fy, fz
-        viscous[i, 0], viscous[i, 1], viscous[i, 2] = vx, vy, vz
-        repulsive[i, 0], repulsive[i, 1], repulsive[i, 2] = rx, ry, rz
+        own = volume[i]
+        internal[i, 0], internal[i, 1], internal[i, 2] = own * fx, own * fy, own * fz
+        own = mass[i]
+        viscous[i, 0], viscous[i, 1], viscous[i, 2] = own * vx, own * vy, own * vz
+        repulsive[i, 0], repulsive[i, 1], repulsive[i, 2] = own * rx, own * ry, own * rz
     return internal, viscous, repulsive
 
 

@@ -1,4 +1,4 @@
-"""Pinball contact between bodies of total-Lagrangian SPH (Belytschko and Yeh 1993; Islam et al. 2019, section 2.4).
+"""Pinball contact between bodies (Belytschko and Yeh 1993; Islam et al. 2019, section 2.4).
 
 Each particle carries a ball of half the spacing. Where balls of different bodies overlap by a penetration p,
 
@@ -19,9 +19,37 @@ from numba import njit, prange
 from numpy.typing import NDArray
 
 from pfemcut.particles.cells import NeighbourList
+from pfemcut.particles.problem import ParticleProblem
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+
+
+class PinballContact:
+    """Contact by pinballs between the bodies of a problem."""
+
+    def __init__(self, problem: ParticleProblem) -> None:
+        self._problem = problem
+        self._near = NeighbourList(problem.smoothing.spacing)
+        self._shear = problem.by_body([body.material.shear_modulus for body in problem.bodies])
+
+    def forces(self, positions: Array, velocities: Array, dt: float) -> Array:
+        """Forces on the particles at ``positions`` (n, d), as :func:`pinball_forces` has them; zero for one body."""
+        problem = self._problem
+        if len(problem.bodies) == 1:
+            return np.zeros_like(positions)
+        self._near.follow(positions)
+        return pinball_forces(
+            self._near,
+            problem.body_number,
+            positions,
+            velocities,
+            problem.mass,
+            self._shear,
+            problem.smoothing.spacing,
+            problem.smoothing.pinball,
+            dt,
+        )
 
 
 def pinball_forces(

@@ -14,6 +14,8 @@ from pfemcut.particles.small_matrices import determinant, inverse
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
+SHORTEST_SPRING = 1.0 / 3.0
+"""Of the smoothing length: springs of shorter pairs are as stiff as one of this length."""
 SMALLEST_MOMENT = 1e-3
 """Determinant of K below which gradients are not corrected; it is one inside of a body."""
 
@@ -37,8 +39,10 @@ class Reference:
         |dW/dr| / r of each entry (1/mm^(d+2)); shape (k,).
     distance
         R of each entry (mm); shape (k,).
+    spring_length
+        L = max(R, h/3) of each entry (mm): particles can meet, and then W / R² has no bound; shape (k,).
     spring_weight
-        W / R² of each entry (1/mm^(d+2)); shape (k,).
+        W / L² of each entry (1/mm^(d+2)); shape (k,).
     correction
         K⁻¹ with K_i = sum_j V_j (X_j - X_i) ⊗ gradient, which makes gradients of linear fields exact
         (Bonet and Lok 1999); the identity where it is switched off; shape (n, d, d).
@@ -49,6 +53,7 @@ class Reference:
     neighbours: Neighbours
     gradient_weight: Array
     distance: Array
+    spring_length: Array
     spring_weight: Array
     correction: Array
 
@@ -67,8 +72,9 @@ def reference_of(
     distance = np.sqrt(np.einsum("ka,ka->k", apart, apart))
     weight = -slopes(distance, smoothing_length, dimension) / distance
     correction = inverse_moments(moments(neighbours, apart, weight, volume), corrected)
-    spring = weights(distance, smoothing_length, dimension) / distance**2
-    return Reference(points, volume, neighbours, weight, distance, spring, correction)
+    length = np.maximum(distance, SHORTEST_SPRING * smoothing_length)
+    spring = weights(distance, smoothing_length, dimension) / length**2
+    return Reference(points, volume, neighbours, weight, distance, length, spring, correction)
 
 
 def inverse_moments(moments: Array, corrected: bool) -> Array:

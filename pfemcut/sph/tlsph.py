@@ -13,14 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pfemcut.method import RunStopped
-from pfemcut.particles.cells import NeighbourList
 from pfemcut.particles.formulation import Evaluation
-from pfemcut.particles.problem import ParticleBody, ParticleProblem
+from pfemcut.particles.problem import ParticleProblem
 from pfemcut.particles.small_matrices import determinant, inverse, product, transposed
 from pfemcut.particles.state import Arrays
 from pfemcut.particles.stress import PointState, cauchy_stress, linear_pressure, updated_bodies, von_mises
 from pfemcut.sph.damping import Springs, carried, damping_force, hidden_length
-from pfemcut.sph.pinball import pinball_forces
+from pfemcut.sph.pinball import PinballContact
 from pfemcut.sph.reference import Reference, reference_of
 from pfemcut.sph.total_lagrangian import deformation_gradient, internal_force
 
@@ -55,12 +54,8 @@ class TotalLagrangian:
     def __init__(self, problem: ParticleProblem) -> None:
         self._problem = problem
         self._bulk = problem.by_body([body.material.bulk_modulus for body in problem.bodies])
-        self._shear = problem.by_body([body.material.shear_modulus for body in problem.bodies])
-        self._near = NeighbourList(problem.smoothing.spacing)
+        self._pinballs = PinballContact(problem)
         self._materials = [body.material for body in problem.bodies]
-        # Nothing happens between the particles of a rigid body, so each is its own group and has no neighbours.
-        rigid = np.repeat([_is_rigid(body) for body in problem.bodies], np.bincount(problem.body_number))
-        self._group = np.where(rigid, -1 - np.arange(len(rigid)), problem.body_number)
 
     @property
     def problem(self) -> ParticleProblem:
@@ -131,29 +126,11 @@ class TotalLagrangian:
             internal=internal_force(reference, first_piola),
             viscous=viscous,
             control=control,
-            between=self._between(positions, velocities, dt),
+            between=self._pinballs.forces(positions, velocities, dt),
             material=update.state,
             volume_ratio=volume_ratio,
             plastic_work=float(update.plastic_work @ (problem.volume * volume_ratio)),
             memory=Deformation(reference, memory.reference_ratio, gradient, slip),
-        )
-
-    def _between(self, positions: Array, velocities: Array, dt: float) -> Array:
-        """Pinball contact between the bodies."""
-        problem = self._problem
-        if len(problem.bodies) == 1:
-            return np.zeros_like(positions)
-        self._near.follow(positions)
-        return pinball_forces(
-            self._near,
-            problem.body_number,
-            positions,
-            velocities,
-            problem.mass,
-            self._shear,
-            problem.smoothing.spacing,
-            problem.smoothing.pinball,
-            dt,
         )
 
     def renewed(self, memory: Deformation, positions: Array, volume_ratio: Array) -> tuple[Deformation, bool]:
@@ -170,9 +147,9 @@ class TotalLagrangian:
         reference = self._reference(positions, volume_ratio)
         strain = (
             hidden_length(memory.reference, positions, memory.gradient) - memory.slip
-        ) / memory.reference.distance
+        ) / memory.reference.spring_length
         kept = carried(strain, memory.reference.neighbours, reference.neighbours)
-        return self._undeformed(reference, volume_ratio, -kept * reference.distance), True
+        return self._undeformed(reference, volume_ratio, -kept * reference.spring_length), True
 
     def arrays(self, memory: Deformation) -> Arrays:
         """``memory`` for a checkpoint; neighbours and kernels are found again from the points."""
@@ -202,13 +179,7 @@ class TotalLagrangian:
         return reference_of(
             points,
             problem.volume * ratio,
-            self._group,
+            problem.group,
             problem.smoothing.smoothing_length,
             problem.smoothing.corrected,
         )
-
-
-def _is_rigid(body: ParticleBody) -> bool:
-    """Whether all particles keep one and the same velocity."""
-    velocity = np.broadcast_to(body.velocity, body.points.shape)
-    return bool(body.held.all() and (velocity == velocity[0]).all())
