@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -48,11 +49,18 @@ class Cloud:
 
 def last_cloud(directory: Path) -> Cloud:
     """The last frame of a run of solids."""
+    return cloud_at(directory, math.inf)
+
+
+def cloud_at(directory: Path, time: float) -> Cloud:
+    """The frame of a run of solids that is nearest to a ``time`` (s)."""
     case, material = load_case(directory / INPUTS)
     if not isinstance(case, SolidsCase):
         raise TypeError(f"{directory}: no case of solids")
     problem = solids_problem(case, solid(material), directory)
-    entry = max((e for e in read_collection(directory) if e.part == BODY_PART), key=lambda e: e.step)
+    entries = [entry for entry in read_collection(directory) if entry.part == BODY_PART]
+    last = max(entry.time for entry in entries)
+    entry = min(entries, key=lambda entry: abs(entry.time - min(time, last)))
     points, fields = body_points(directory, entry)
     points = points[:, : problem.dimension]
     first = problem.ranges[0]
