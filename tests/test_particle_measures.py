@@ -80,7 +80,7 @@ def test_width_and_direction_of_parallel_bands(angle: float) -> None:
     """Half width of a Gaussian band to 5 %, smoothing included; direction to 2 degrees; contrast is full."""
     sigma = 0.05
     points = lattice()
-    found = bands(gridded(points, stripes(points, (angle,), sigma, 0.6), SPACING), 0.3)
+    found = bands(gridded(points, stripes(points, (angle,), sigma, 0.6), SPACING), 0.3, 12.0 * SPACING)
     smoothed = np.hypot(sigma, SPACING)
     assert found.width == pytest.approx(2.0 * np.sqrt(2.0 * np.log(2.0)) * smoothed, rel=0.05)
     assert len(found.angles) == 1
@@ -91,14 +91,14 @@ def test_width_and_direction_of_parallel_bands(angle: float) -> None:
 
 def test_crossing_bands_are_two_families() -> None:
     points = lattice()
-    found = bands(gridded(points, stripes(points, (45.0, 135.0), 0.04, 0.5), SPACING), 0.3)
+    found = bands(gridded(points, stripes(points, (45.0, 135.0), 0.04, 0.5), SPACING), 0.3, 12.0 * SPACING)
     assert sorted(found.angles) == [pytest.approx(45.0, abs=2.0), pytest.approx(135.0, abs=2.0)]
 
 
 def test_sharper_bands_are_narrower_and_stand_out_more() -> None:
     points = lattice()
     wide, narrow = (
-        bands(gridded(points, 0.5 + stripes(points, (45.0,), sigma, 0.4), SPACING), 0.1)
+        bands(gridded(points, 0.5 + stripes(points, (45.0,), sigma, 0.4), SPACING), 0.1, 12.0 * SPACING)
         for sigma in (0.12, 0.05)
     )
     assert narrow.width < 0.7 * wide.width
@@ -107,7 +107,7 @@ def test_sharper_bands_are_narrower_and_stand_out_more() -> None:
 
 def test_an_even_field_has_no_bands() -> None:
     points = lattice()
-    found = bands(gridded(points, np.ones(len(points)), SPACING), 0.1)
+    found = bands(gridded(points, np.ones(len(points)), SPACING), 0.1, 12.0 * SPACING)
     assert np.isnan(found.width)
     assert found.angles == ()
     assert found.histogram.sum() == 0.0

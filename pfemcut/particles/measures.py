@@ -32,8 +32,6 @@ BoolArray = NDArray[np.bool_]
 CLUSTERED = 0.5
 """Distance to the nearest particle, in spacings, below which particles count as clustered."""
 _CELLS_A_SPACING = 2.0
-_REACH = 12.0
-"""How far valleys are looked for on both sides of a ridge, in spacings."""
 _BINS = 36
 _APART = 20.0
 """Smallest angle between two families of bands (degree)."""
@@ -154,8 +152,10 @@ def gridded(points: Array, values: Array, spacing: float) -> Grid:
     return Grid(low, step, np.where(inside, smooth / np.maximum(weight, 1e-12), np.nan))
 
 
-def bands(grid: Grid, least: float) -> Bands:
+def bands(grid: Grid, least: float, reach: float) -> Bands:
     """Bands of a field: ridges that stand out by at least ``least`` (the field's unit) above both valleys.
+
+    Valleys are looked for up to ``reach`` (mm) on both sides of a ridge; where it is shorter, bands seem narrower.
 
     No band is width nan, contrast nan and no angles.
     """
@@ -163,8 +163,8 @@ def bands(grid: Grid, least: float) -> Bands:
     normal, ridge = _ridges(grid, values)
     place = np.argwhere(ridge).astype(np.float64)
     across = normal[ridge]
-    reach = _REACH * _CELLS_A_SPACING
-    offsets = np.arange(-reach, reach + 0.25, 0.25)
+    samples = 0.25 * np.arange(np.ceil(4.0 * reach / grid.step) + 1.0)
+    offsets = np.concatenate([-samples[:0:-1], samples])
     lines = place[:, None, :] + offsets[:, None] * across[:, None, :]
     outside = np.where(np.isfinite(grid.values), 0.0, 1.0)
     profile = map_coordinates(values, lines.transpose(2, 0, 1), order=1, mode="nearest")

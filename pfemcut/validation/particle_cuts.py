@@ -39,6 +39,8 @@ MELTING = 1573.0
 FEEDS = (0.3, 0.5)
 REDUCED, FULL = 0.02, 0.01
 """Spacings (mm); the second is the paper's."""
+_REACH = 0.24
+"""mm; see :func:`pfemcut.particles.measures.bands`."""
 
 
 def cuts(folder: Path, method: str) -> Study:
@@ -117,7 +119,7 @@ def chip_of(cloud: Cloud, edge: float) -> Chip:
     rate = cloud.fields["equivalent_plastic_strain_rate"]
     # A few particles at the tool's edge flow many times faster than the band.
     grid = gridded(cloud.points, np.minimum(rate, np.quantile(rate[chip], 0.99)), spacing)
-    band = bands(grid, 0.3 * float(np.nanmax(grid.values)))
+    band = bands(grid, 0.3 * float(np.nanmax(grid.values)), _REACH)
     middle = chip & (np.abs(y - 0.5 * (top + edge)) < 1.5 * spacing)
     strain = cloud.fields["equivalent_plastic_strain"][middle]
     peaks = np.sort(peaks_along(x[middle], strain, spacing, 0.1 * float(strain.mean())))

@@ -2,11 +2,11 @@
 
 Of the last frame, the layer of particles that began nearest the middle of the thickness is looked at in the plane of
 the other two axes, there where it began 0.1 mm or more away from the hold and 0.2 mm or more from the tool, at which
-there is a layer of large strain: the same region with every spacing. Bands are ridges of the rate of plastic strain (see
-:mod:`pfemcut.particles.measures`), its mean over the last quarter of the time, as waves run through the block; they
-stand out by a quarter of the field's 95th percentile, above which the field is cut off. Bands of plastic strain itself
-are given beside them. ``gradient`` is the mean of the strain's gradient over the mean strain (1/mm): it grows as bands
-become sharper.
+there is a layer of large strain: the same region with every spacing. Bands are ridges of the rate of plastic strain
+(see :mod:`pfemcut.particles.measures`), its mean over the last quarter of the time, as waves run through the block;
+they stand out by a quarter of the field's 95th percentile, above which the field is cut off. Bands of plastic strain
+itself are given beside them. ``gradient`` is the mean of the strain's gradient over the mean strain (1/mm): it grows as
+bands become sharper.
 """
 
 from __future__ import annotations
@@ -37,6 +37,8 @@ FROM_HOLD, FROM_TOOL = 0.1, 0.2
 """mm at the start: what is nearer is not looked at."""
 _RATE_SINCE = 0.75
 """Of the time."""
+_REACH = 0.24
+"""mm; see :func:`pfemcut.particles.measures.bands`."""
 
 
 def pressings(folder: Path, method: str) -> Study:
@@ -84,7 +86,7 @@ def found_bands(cloud: Cloud, name: str) -> tuple[Bands, Grid]:
     values = cloud.fields[name]
     limit = float(np.quantile(values[chosen], 0.95))
     grid = gridded(cloud.points[chosen, :2], np.minimum(values[chosen], limit), controls.spacing)
-    return bands(grid, 0.25 * limit), grid
+    return bands(grid, 0.25 * limit, _REACH), grid
 
 
 def pressed(directory: Path) -> Cloud:
