@@ -88,9 +88,10 @@ class SolidsParticles(ExplicitParticles):
         description="Whether heat flows between particles, with tlsph of one body, with esph of all; false: adiabatic",
     )
     spacing: float = Field(gt=0, description="Distance of particles at the start (mm)")
-    contact: Literal["kernel", "pinball"] | None = Field(
-        default=None,
-        description="How bodies touch: by the sums over the kernel (esph only, and its default) or by pinballs",
+    contact: Literal["auto", "kernel", "pinball"] = Field(
+        default="auto",
+        description="How bodies touch: by the sums over the kernel (esph only) or by pinballs; auto: kernel with esph, "
+        "pinball with tlsph",
     )
     pinball: Annotated[tuple[float, float], BeforeValidator(as_tuples)] = Field(
         default=(0.0, 1.0),
