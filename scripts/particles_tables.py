@@ -46,11 +46,12 @@ CUTTING = {
     "segments": ("Segments", 0),
     "segment_length": ("their length before the cut (mm)", 2),
     "strain_spread": ("Spread of strain along the chip", 2),
+    "strain_noise": ("Noise of strain (%)", 1),
     "nearest_variation": ("Variation of the nearest distance", 2),
     "clustered": ("Clustered (%)", 1),
     "unevenness": ("Unevenness (%)", 2),
 }
-PERCENT = ("unevenness", "clustered")
+PERCENT = ("unevenness", "clustered", "strain_noise")
 CUT = {
     "cutting_force": ("Cutting force (N/mm)", 1),
     "thrust_force": ("Thrust force (N/mm)", 1),

@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from pfemcut.particles.measures import Regularity, bands, families, gridded, peaks_along, regularity
+from pfemcut.particles.measures import (
+    Regularity,
+    bands,
+    families,
+    gridded,
+    noise,
+    peaks_along,
+    regularity,
+)
 
 Array = NDArray[np.float64]
 SPACING = 0.02
@@ -50,8 +58,8 @@ def test_a_lattice_is_regular(dimension: int) -> None:
 def test_noise_and_clusters_are_measured() -> None:
     """Every tenth particle put a quarter of a spacing beside another one: a fifth of them are in clusters."""
     points = lattice()
-    noise = np.random.default_rng(1).normal(0.0, 0.05 * SPACING, points.shape)
-    little, more = (measured(points + factor * noise) for factor in (1.0, 2.0))
+    shifts = np.random.default_rng(1).normal(0.0, 0.05 * SPACING, points.shape)
+    little, more = (measured(points + factor * shifts) for factor in (1.0, 2.0))
     assert 0.02 < little.variation < 0.6 * more.variation
     assert 0.005 < little.unevenness < 0.6 * more.unevenness
     points[::10] = points[1::10] - [0.0, 0.25 * SPACING]
@@ -122,3 +130,14 @@ def test_peaks_along_a_line_are_counted() -> None:
     place = np.random.default_rng(2).uniform(0.0, 3.0, 2000)
     values = 1.0 + np.cos(2.0 * np.pi * (place - 0.3) / 0.6)
     assert peaks_along(place, values, 0.02, 0.5) == pytest.approx([0.3, 0.9, 1.5, 2.1, 2.7], abs=0.03)
+
+
+def test_noise_sees_what_changes_from_particle_to_particle_only() -> None:
+    """None in a linear field; of a random part its own deviation, and what it adds to the fits, to 10 %."""
+    points = lattice()
+    inside = np.all((points > 0.2) & (points < 0.8), axis=1)
+    field = 1.0 + points @ [0.3, -0.2]
+    assert noise(points, field, 3.0 * SPACING, inside) < 1e-12
+    random = 0.05 * np.random.default_rng(5).normal(size=len(points))
+    mean = float(field[inside].mean())
+    assert noise(points, field + random, 3.0 * SPACING, inside) == pytest.approx(0.05 / mean, rel=0.1)

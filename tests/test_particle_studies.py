@@ -72,6 +72,7 @@ def test_an_upright_chip_has_its_feed_as_thickness_and_bands_where_they_were_mad
     assert chip.band_width == pytest.approx(2.355 * np.hypot(0.05, 0.02), rel=0.1)
     assert (chip.segments, chip.segment_length) == (4, pytest.approx(0.3, abs=0.02))
     assert chip.regularity.clustered == 0.0
+    assert chip.strain_noise < 0.05
 
 
 def test_bands_of_a_pressed_block_are_looked_for_in_its_middle_layer() -> None:

@@ -126,6 +126,31 @@ def regularity(points: Array, spacing: float, smoothing_length: float, chosen: B
     )
 
 
+def noise(points: Array, values: Array, reach: float, chosen: BoolArray) -> float:
+    """How rough ``values`` (n,) are from particle to particle, over their mean, of the ``chosen`` (n,) of ``points``.
+
+    The root mean square of the difference to the plane fitted to the values of the particles nearer than ``reach``
+    (mm), each one left out of its own fit: no smooth field is rough. Particles with too few neighbours for a fit, less
+    than four in the plane or six in space, are left out.
+    """
+    offsets, indices = pairs_in_cells(points, reach)
+    count = len(points)
+    owners = np.repeat(np.arange(count), np.diff(offsets))
+    apart = points[indices] - points[owners]
+    # Least squares: the plane's value at the particle solves for [1, dx, dy] together.
+    basis = np.column_stack([np.ones(len(indices)), apart])
+    size = basis.shape[1]
+    matrix, right = np.empty((count, size, size)), np.empty((count, size))
+    for a in range(size):
+        right[:, a] = np.bincount(owners, basis[:, a] * values[indices], minlength=count)
+        for b in range(size):
+            matrix[:, a, b] = np.bincount(owners, basis[:, a] * basis[:, b], minlength=count)
+    fits = chosen & (np.diff(offsets) >= 2 * points.shape[1])
+    fitted = np.linalg.solve(matrix[fits], right[fits][:, :, None])[:, 0, 0]
+    found = values[fits]
+    return float(np.sqrt(np.mean((found - fitted) ** 2)) / found.mean())
+
+
 def _volume_sums(points: Array, spacing: float, smoothing_length: float) -> Array:
     """Sum of V W at each of ``points``; shape (n,)."""
     count, dimension = points.shape

@@ -8,9 +8,10 @@ feed. All figures but the force are of the last frame:
   to the second row above the tool's edge (the first is torn), plus the two spacings from these rows to the sides;
 - shear band: the ridge of the strain rate, see :mod:`pfemcut.particles.measures`; its angle is taken from the cutting
   direction;
-- segments: peaks of plastic strain along the middle of the chip, over where particles began, that stand out by a tenth
-  of its mean; their number over that length gives the frequency;
-- disorder: of the chip's particles that began 2 h away from its sides.
+- segments: peaks of plastic strain along the middle of the chip, over where particles began, 2 h or more from the face
+  that the tool hit, that stand out by a tenth of its mean; their number over that length gives the frequency;
+- noise of plastic strain from particle to particle, and disorder and clusters: of the chip's particles that began 2 h
+  away from its sides.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from pfemcut.particles.measures import Regularity, bands, gridded, peaks_along, regularity
+from pfemcut.particles.measures import Regularity, bands, gridded, noise, peaks_along, regularity
 from pfemcut.validation.clouds import Cloud, last_cloud
 from pfemcut.validation.small_files import copy_picture
 from pfemcut.validation.study import Outcome, Study, Variant, finite_figures, write_table
@@ -87,6 +88,8 @@ class Chip:
         Number of peaks of plastic strain, and their mean distance before the cut; nan with fewer than two.
     strain_mean, strain_spread
         Of plastic strain along the middle of the chip: mean, and standard deviation over it.
+    strain_noise
+        Of plastic strain from particle to particle, over its mean.
     regularity
         Of the particles inside of the chip.
     """
@@ -98,6 +101,7 @@ class Chip:
     segment_length: float
     strain_mean: float
     strain_spread: float
+    strain_noise: float
     regularity: Regularity
 
 
@@ -120,7 +124,7 @@ def chip_of(cloud: Cloud, edge: float) -> Chip:
     # A few particles at the tool's edge flow many times faster than the band.
     grid = gridded(cloud.points, np.minimum(rate, np.quantile(rate[chip], 0.99)), spacing)
     band = bands(grid, 0.3 * float(np.nanmax(grid.values)), _REACH)
-    middle = chip & (np.abs(y - 0.5 * (top + edge)) < 1.5 * spacing)
+    middle = chip & (np.abs(y - 0.5 * (top + edge)) < 1.5 * spacing) & (x < far - reach)
     strain = cloud.fields["equivalent_plastic_strain"][middle]
     peaks = np.sort(peaks_along(x[middle], strain, spacing, 0.1 * float(strain.mean())))
     return Chip(
@@ -131,6 +135,7 @@ def chip_of(cloud: Cloud, edge: float) -> Chip:
         segment_length=float(np.diff(peaks).mean()) if len(peaks) > 1 else np.nan,
         strain_mean=float(strain.mean()),
         strain_spread=float(strain.std() / strain.mean()),
+        strain_noise=noise(cloud.points, cloud.fields["equivalent_plastic_strain"], 0.5 * reach, inside),
         regularity=regularity(cloud.points, spacing, controls.smoothing_length, inside),
     )
 
@@ -157,6 +162,7 @@ _HEADER = (
     "segment_frequency",
     "strain_mean",
     "strain_spread",
+    "strain_noise",
     "max_temperature",
     "nearest_mean",
     "nearest_variation",
@@ -209,6 +215,7 @@ def _row(outcome: Outcome, cloud: Cloud) -> list[str | float]:
         speed / chip.segment_length,
         chip.strain_mean,
         chip.strain_spread,
+        chip.strain_noise,
         last["max_temperature"],
         chip.regularity.mean,
         chip.regularity.variation,
