@@ -41,6 +41,11 @@ class ExplicitParticles(Section):
     artificial_pressure: float = Field(
         default=0.3, ge=0, description="Artificial pressure gamma of Eulerian SPH (dimensionless)"
     )
+    pinball: Annotated[tuple[float, float], BeforeValidator(as_tuples)] = Field(
+        default=(0.0, 1.0),
+        description="Factors k1 and k2 of contact between bodies, and of a body with itself, with tlsph "
+        "(dimensionless); k1 = 0 leaves Hertz's law alone",
+    )
     courant: float = Field(default=0.3, gt=0, le=1, description="Time step over its limit of stability")
     mass_scaling: float = Field(
         default=1.0,
@@ -88,11 +93,6 @@ class SolidsParticles(ExplicitParticles):
         description="Whether heat flows between particles, with tlsph of one body, with esph of all; false: adiabatic",
     )
     spacing: float = Field(gt=0, description="Distance of particles at the start (mm)")
-    pinball: Annotated[tuple[float, float], BeforeValidator(as_tuples)] = Field(
-        default=(0.0, 1.0),
-        description="Factors k1 and k2 of contact between bodies with tlsph (dimensionless); k1 = 0 leaves Hertz's law "
-        "alone",
-    )
 
 
 class Cylinder(Section):

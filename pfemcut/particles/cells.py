@@ -21,7 +21,7 @@ _MOST_CELLS = 8
 
 
 class NeighbourList:
-    """Neighbours within a radius (mm) of points that move.
+    """Neighbours within a radius (mm) of points that move; the list reaches farther by the part ``skin`` of it.
 
     Attributes
     ----------
@@ -29,8 +29,9 @@ class NeighbourList:
         Rows of neighbours as in :class:`pfemcut.particles.neighbours.Neighbours`, with those in the skin.
     """
 
-    def __init__(self, radius: float) -> None:
+    def __init__(self, radius: float, skin: float = _SKIN) -> None:
         self._radius = radius
+        self._skin = skin
         self._made_at: Array = np.empty((0, 0))
         self.offsets: IntArray = np.zeros(1, dtype=np.int64)
         self.indices: IntArray = np.zeros(0, dtype=np.int64)
@@ -40,9 +41,9 @@ class NeighbourList:
         if self._made_at.shape == points.shape:
             moved = points - self._made_at
             moved -= moved.mean(axis=0)
-            if np.max(np.einsum("na,na->n", moved, moved)) <= (0.5 * _SKIN * self._radius) ** 2:
+            if np.max(np.einsum("na,na->n", moved, moved)) <= (0.5 * self._skin * self._radius) ** 2:
                 return
-        self.offsets, self.indices = pairs_in_cells(points, (1.0 + _SKIN) * self._radius)
+        self.offsets, self.indices = pairs_in_cells(points, (1.0 + self._skin) * self._radius)
         self._made_at = points
 
 

@@ -142,7 +142,7 @@ class ParticleMethod(Generic[Memory]):
 
     def frame(self) -> Frame:
         """Fields after the last batch."""
-        return frame_of(self._problem, self._state, self._travel)
+        return frame_of(self._model, self._state, self._travel)
 
     def state(self) -> Arrays:
         """All arrays that :meth:`restore` needs."""

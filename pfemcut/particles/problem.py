@@ -120,7 +120,7 @@ class SmoothingControls:
     artificial_pressure
         gamma (Eulerian).
     pinball
-        Factors k1 and k2 of contact between bodies (total-Lagrangian).
+        Factors k1 and k2 of contact between bodies, and of a body with itself (total-Lagrangian).
     """
 
     spacing: float

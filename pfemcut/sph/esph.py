@@ -22,6 +22,8 @@ from pfemcut.sph.eulerian import PairConstants, pair_forces, support, velocity_s
 from pfemcut.sph.reference import inverse_moments
 
 Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -116,6 +118,10 @@ class Eulerian:
     def renewed(self, memory: Density, positions: Array, volume_ratio: Array) -> tuple[Density, bool]:
         """``memory`` as it is: there is no reference configuration."""
         return memory, False
+
+    def connected(self, memory: Density, pairs: IntArray) -> BoolArray:
+        """True for all ``pairs`` (m, 2): what is near belongs together."""
+        return np.ones(len(pairs), dtype=bool)
 
     def arrays(self, memory: Density) -> Arrays:
         """``memory`` for a checkpoint."""
