@@ -51,7 +51,7 @@ class TouchingPairs:
 
 @njit(parallel=True, cache=True)
 def _may_touch(  # type: ignore[no-untyped-def]
-    offsets, indices, body, group, rows, neighbours, apart_rows, apart
+    offsets, indices, body, group, rows, neighbours, apart_rows, apart, shares
 ):
     found = np.empty(len(indices), dtype=np.bool_)
     for i in prange(len(body)):
@@ -62,6 +62,6 @@ def _may_touch(  # type: ignore[no-untyped-def]
             else:
                 # Particles of a rigid body are each a group.
                 found[k] = group[i] == group[j] and not are_connected(
-                    i, j, rows, neighbours, apart_rows, apart
+                    i, j, rows, neighbours, apart_rows, apart, shares
                 )
     return found
