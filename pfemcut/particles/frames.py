@@ -53,6 +53,7 @@ def frame_of(model: ForceModel[Memory], state: State[Memory], travel: float) -> 
         cell_fields=cell_fields(fields, cells) if len(cells) else {},
         tool=tuple(tool.at(state.clock.time) for tool in problem.tool),
         contact=_on_outline(tool_contact_view(problem, state.positions[particles], state.clock.time), loops),
+        surface_offset=0.5 * problem.smoothing.spacing,
     )
 
 
