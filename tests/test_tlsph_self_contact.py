@@ -118,6 +118,15 @@ def test_a_run_goes_on_bit_for_bit_in_touch_with_itself(course: list[ParticleMet
         assert np.array_equal(method.state()[name], array), name
 
 
+def test_what_older_checkpoints_hold_is_all_joined(course: list[ParticleMethod[Deformation]]) -> None:
+    arrays = dict(course[0].state())
+    del arrays["reference/apart"]
+    memory = TotalLagrangian(fork()).restored(arrays)
+    assert len(memory.reference.connectivity.apart_pairs) == 0
+    same = course[0].current.memory.reference.neighbours
+    assert np.array_equal(memory.reference.neighbours.indices, same.indices)
+
+
 def test_no_triangle_joins_what_only_touches(course: list[ParticleMethod[Deformation]]) -> None:
     closest = next(each for each in course if in_touch(each))
     problem = fork()

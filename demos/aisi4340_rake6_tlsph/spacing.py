@@ -1,4 +1,4 @@
-"""The cut of run.py with other spacings and with rarer or more frequent reference updates, beside the PFEM's.
+"""The cut of run.py with other spacings, more frequent reference updates and less viscosity, beside the PFEM's.
 
     python demos/aisi4340_rake6_tlsph/spacing.py [-o DIR] [--resume | --overwrite] [--only NAME] [--conclude]
 
@@ -38,7 +38,7 @@ def conclude(outcomes: Sequence[Outcome], results: Path) -> tuple[dict[str, Any]
     ]
     rows += [row(outcome.variant.name, outcome.summary) for outcome in outcomes]
     header = ("run", *FIGURES, *(f"{name}_std" for name in SCATTERING), *SHARES, "wall_time")
-    write_table(results / "spacing.csv", "Spacing and reference updates", header, rows)
+    write_table(results / "spacing.csv", "Spacing, reference updates and viscosity", header, rows)
     finished = all(outcome.summary["finished"] for outcome in outcomes)
     return {"figures": finite_figures(header, rows)}, finished
 
@@ -60,6 +60,7 @@ STUDY = Study(
     FOLDER,
     (
         Variant("spacing_0.01_update_0.25", ("particles.reference_update=0.25",)),
+        Variant("spacing_0.01_viscosity_0.1", ("particles.alpha=0.1", "particles.beta=0.1")),
         Variant("spacing_0.0133", ("particles.spacing=0.013333",)),
         Variant("spacing_0.00667", ("particles.spacing=0.0066667",)),
     ),

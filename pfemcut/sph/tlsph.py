@@ -198,7 +198,8 @@ class TotalLagrangian:
         ratio = np.asarray(arrays["reference/ratio"], dtype=np.float64)
         gradient = np.asarray(arrays["reference/gradient"], dtype=np.float64)
         slip = np.asarray(arrays["reference/slip"], dtype=np.float64)
-        apart = np.asarray(arrays["reference/apart"], dtype=np.int64).reshape(-1, 2)
+        # Runs whose checkpoints don't say what is apart joined all that was near.
+        apart = np.asarray(arrays.get("reference/apart", np.empty((0, 2))), dtype=np.int64)
         connected = connectivity(points, reach(self._problem.smoothing.smoothing_length), self._group, apart)
         return Deformation(self._reference(points, ratio, connected), ratio, gradient, slip)
 
