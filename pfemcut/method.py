@@ -117,6 +117,9 @@ class Frame:
         Meshes of the tools that have one.
     others
         Bodies besides the first that are no tools.
+    surface_offset
+        How far the surface lies outside of the boundary loops (mm): half a spacing for particles that each fill a cell
+        round them, zero for a mesh.
     """
 
     step: int
@@ -131,6 +134,7 @@ class Frame:
     contact: ContactView
     tool_blocks: tuple[Block, ...] = ()
     others: tuple[Block, ...] = ()
+    surface_offset: float = 0.0
 
 
 class Method(Protocol):

@@ -48,6 +48,33 @@ def test_a_curled_chip_has_the_thickness_of_the_ring_and_its_radius(rake: float,
     assert curl_radius(far) == pytest.approx(curl, rel=1e-3)
 
 
+@pytest.mark.parametrize("curl", [math.inf, 0.6])
+def test_particles_are_measured_at_their_surface(curl: float) -> None:
+    """A chip 0.15 mm thick, filled with particles 0.01 mm apart, the outermost half of that from its surface."""
+    tool, half = tool_of(6.0), 0.005
+    # What a mesh with nodes on the outermost particles would be: the same chip, thinner by a spacing.
+    inner = outline_frame(6.0, 0.14, curl=curl - half)
+    points = inner.points + half * tool.rake_normal
+    cloud = replace(inner, points=points, surface_offset=half)
+    section = chip_section(cloud, tool, DEPTH)
+    assert chip_thickness(section).mean == pytest.approx(0.15, rel=2e-3)
+    assert chip_thickness(chip_section(inner, tool, DEPTH)).mean == pytest.approx(0.14, rel=2e-3)
+    far = chip_section(cloud, tool, DEPTH, REACH)
+    assert 1.0 / curl_radius(far) == pytest.approx(1.0 / curl, rel=1e-3, abs=1e-6)
+    assert np.abs(section.rake_side[:, 1]).max() < 1e-9 or math.isfinite(curl)
+
+
+@pytest.mark.parametrize("rake", RAKES)
+def test_contact_of_particles_reaches_half_a_spacing_farther(rake: float) -> None:
+    frame, tool = outline_frame(rake, 0.15, contact=0.18), tool_of(rake)
+    arc = tip_arc_contact(frame.contact, tool)
+    assert contact_length(frame.contact, 0.005) == pytest.approx(0.185, rel=1e-9)
+    assert tip_arc_contact(frame.contact, tool, 0.005) == pytest.approx(arc + 0.005)
+    assert tip_arc_contact(frame.contact, tool, 1.0) == tool.tip_radius * tool.arc_angle
+    none = ContactView(np.array([0]), np.array([-0.01]), np.array([0.0]), np.array([0.0]))
+    assert (contact_length(none, 0.005), tip_arc_contact(none, tool, 0.005)) == (0.0, 0.0)
+
+
 def test_curl_of_a_straight_chip_is_infinite_and_its_sign_says_which_way() -> None:
     assert abs(curl_radius(chip_section(outline_frame(6.0, 0.15), tool_of(6.0), DEPTH, REACH))) > 1e4
     section = chip_section(outline_frame(6.0, 0.15, curl=1.0), tool_of(6.0), DEPTH, REACH)

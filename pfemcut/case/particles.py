@@ -41,6 +41,11 @@ class ExplicitParticles(Section):
     artificial_pressure: float = Field(
         default=0.3, ge=0, description="Artificial pressure gamma of Eulerian SPH (dimensionless)"
     )
+    pinball: Annotated[tuple[float, float], BeforeValidator(as_tuples)] = Field(
+        default=(0.0, 1.0),
+        description="Factors k1 and k2 of pinballs between bodies, and with tlsph of a body with itself (dimensionless); "
+        "k1 = 0 leaves Hertz's law alone",
+    )
     courant: float = Field(default=0.3, gt=0, le=1, description="Time step over its limit of stability")
     mass_scaling: float = Field(
         default=1.0,
@@ -92,10 +97,6 @@ class SolidsParticles(ExplicitParticles):
         default="auto",
         description="How bodies touch: by the sums over the kernel (esph only) or by pinballs; auto: kernel with esph, "
         "pinball with tlsph",
-    )
-    pinball: Annotated[tuple[float, float], BeforeValidator(as_tuples)] = Field(
-        default=(0.0, 1.0),
-        description="Factors k1 and k2 of pinballs (dimensionless); k1 = 0 leaves Hertz's law alone",
     )
 
 

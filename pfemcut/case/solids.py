@@ -12,7 +12,7 @@ from pfemcut.case.controls import contact_law, moving_tool
 from pfemcut.case.cutting import starting_tool
 from pfemcut.case.load import CaseError, initial_temperature
 from pfemcut.case.particle_count import require_fillable
-from pfemcut.case.particles import ExplicitParticles, Particles, Point, Solid, SolidsCase, SolidsParticles
+from pfemcut.case.particles import ExplicitParticles, Particles, Point, Solid, SolidsCase
 from pfemcut.case.schema import Case
 from pfemcut.contact.friction_laws.coulomb import Coulomb
 from pfemcut.materials.load import load_material
@@ -154,7 +154,7 @@ def smoothing_controls(
         zero_energy=given.zero_energy,
         reference_update=given.reference_update,
         artificial_pressure=given.artificial_pressure,
-        pinball=given.pinball if isinstance(given, SolidsParticles) else (0.0, 0.0),
+        pinball=given.pinball,
         kernel_contact=kernel_contact,
     )
 

@@ -23,7 +23,7 @@ _NO_GROUPS: IntArray = np.zeros(0, dtype=np.int64)
 
 
 class NeighbourList:
-    """Neighbours within a radius (mm) of points that move.
+    """Neighbours within a radius (mm) of points that move; the list reaches farther by the part ``skin`` of it.
 
     Points of different ``group`` (n,) are no neighbours, if groups are given.
 
@@ -33,8 +33,9 @@ class NeighbourList:
         Rows of neighbours as in :class:`pfemcut.particles.neighbours.Neighbours`, with those in the skin.
     """
 
-    def __init__(self, radius: float, group: IntArray = _NO_GROUPS) -> None:
+    def __init__(self, radius: float, skin: float = _SKIN, group: IntArray = _NO_GROUPS) -> None:
         self._radius = radius
+        self._skin = skin
         self._group = group
         self._made_at: Array = np.empty((0, 0))
         self.offsets: IntArray = np.zeros(1, dtype=np.int64)
@@ -45,9 +46,9 @@ class NeighbourList:
         if self._made_at.shape == points.shape:
             moved = points - self._made_at
             moved -= moved.mean(axis=0)
-            if np.max(np.einsum("na,na->n", moved, moved)) <= (0.5 * _SKIN * self._radius) ** 2:
+            if np.max(np.einsum("na,na->n", moved, moved)) <= (0.5 * self._skin * self._radius) ** 2:
                 return
-        found = pairs_in_cells(points, (1.0 + _SKIN) * self._radius)
+        found = pairs_in_cells(points, (1.0 + self._skin) * self._radius)
         self.offsets, self.indices = _of_one_group(*found, self._group) if len(self._group) else found
         self._made_at = points
 

@@ -13,6 +13,8 @@ from pfemcut.particles.state import Arrays, Memory
 from pfemcut.particles.stress import PointState
 
 Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -63,6 +65,9 @@ class ForceModel(Protocol[Memory]):
 
     def renewed(self, memory: Memory, positions: Array, volume_ratio: Array) -> tuple[Memory, bool]:
         """Memory for the next steps, and whether the reference configuration is a new one."""
+
+    def connected(self, memory: Memory, pairs: IntArray) -> BoolArray:
+        """Whether each of the ``pairs`` (m, 2) of one body's particles belongs together; else they touch at most."""
 
     def arrays(self, memory: Memory) -> Arrays:
         """``memory`` for a checkpoint."""

@@ -17,8 +17,9 @@ from scipy.spatial import Delaunay
 from pfemcut.method import ContactView, Frame
 from pfemcut.output.vtu import boundary_loops
 from pfemcut.particles.contact import tool_contact_view
+from pfemcut.particles.formulation import ForceModel
 from pfemcut.particles.problem import ParticleProblem
-from pfemcut.particles.state import State
+from pfemcut.particles.state import Memory, State
 from pfemcut.particles.stress import linear_pressure, von_mises
 
 Array = NDArray[np.float64]
@@ -28,14 +29,18 @@ LARGEST_RADIUS = 1.6
 """Largest circumradius of a triangle over the spacing of particles at time zero; a square lattice has 0.71."""
 
 
-def frame_of(problem: ParticleProblem, state: State[Any], travel: float) -> Frame:
+def frame_of(model: ForceModel[Memory], state: State[Memory], travel: float) -> Frame:
     """The frame of ``state``: all particles in one cloud, or the triangles of a cut's first body."""
+    problem = model.problem
     fields = point_fields(problem, state)
     cells: IntArray = np.empty((0, 3), dtype=np.int64)
     particles = slice(0, len(state.positions))
     if problem.cut:
         particles = problem.ranges[0]
         cells = joined(state.positions[particles], LARGEST_RADIUS * problem.smoothing.spacing)
+        # No triangle between a chip and the workpiece where it only touches it.
+        sides = particles.start + cells[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+        cells = cells[model.connected(state.memory, sides).reshape(-1, 3).all(axis=1)]
     loops = boundary_loops(cells)
     return Frame(
         step=state.clock.batches,
@@ -48,6 +53,7 @@ def frame_of(problem: ParticleProblem, state: State[Any], travel: float) -> Fram
         cell_fields=cell_fields(fields, cells) if len(cells) else {},
         tool=tuple(tool.at(state.clock.time) for tool in problem.tool),
         contact=_on_outline(tool_contact_view(problem, state.positions[particles], state.clock.time), loops),
+        surface_offset=0.5 * problem.smoothing.spacing,
     )
 
 

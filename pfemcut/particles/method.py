@@ -28,6 +28,7 @@ from pfemcut.particles.integrate import (
 from pfemcut.particles.problem import ParticleProblem
 from pfemcut.particles.state import Arrays, Memory, State, from_arrays, to_arrays
 from pfemcut.particles.stress import elastic_energy
+from pfemcut.results.derived.contact_length import contact_length
 
 Array = NDArray[np.float64]
 
@@ -98,7 +99,7 @@ class ParticleMethod(Generic[Memory]):
             travel=self._travel,
             cutting_force=float(self._tool_force[0]),
             thrust_force=float(self._tool_force[1]),
-            contact_length=float(view.arc_length.max(initial=0.0)),
+            contact_length=contact_length(view, 0.5 * problem.smoothing.spacing),
             max_temperature=float(state.material.temperature[first].max()),
             max_eqps=float(state.material.eqps[first].max()),
             tool_work=state.ledger.tool,
@@ -142,7 +143,7 @@ class ParticleMethod(Generic[Memory]):
 
     def frame(self) -> Frame:
         """Fields after the last batch."""
-        return frame_of(self._problem, self._state, self._travel)
+        return frame_of(self._model, self._state, self._travel)
 
     def state(self) -> Arrays:
         """All arrays that :meth:`restore` needs."""

@@ -42,9 +42,13 @@ class Neighbours:
 
 def neighbours_within(points: Array, radius: float, group: IntArray) -> Neighbours:
     """All pairs of ``points`` (n, d) of one ``group`` (n,) that are not farther apart than ``radius`` (mm)."""
+    return neighbours_of(pairs_within(points, radius, group), len(points))
+
+
+def pairs_within(points: Array, radius: float, group: IntArray) -> IntArray:
+    """The same pairs, each once with the smaller number first; shape (m, 2)."""
     pairs = cKDTree(points).query_pairs(radius, output_type="ndarray").astype(np.int64)
-    pairs = pairs[group[pairs[:, 0]] == group[pairs[:, 1]]]
-    return neighbours_of(pairs, len(points))
+    return pairs[group[pairs[:, 0]] == group[pairs[:, 1]]]
 
 
 def neighbours_of(pairs: IntArray, count: int) -> Neighbours:

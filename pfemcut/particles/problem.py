@@ -126,7 +126,7 @@ class SmoothingControls:
     artificial_pressure
         gamma (Eulerian).
     pinball
-        Factors k1 and k2 of contact between bodies by pinballs.
+        Factors k1 and k2 of contact between bodies by pinballs, and of a body with itself (total-Lagrangian).
     kernel_contact
         Whether bodies of the Eulerian method touch by the sums over the kernel instead.
     """

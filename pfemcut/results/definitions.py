@@ -195,7 +195,8 @@ FIGURES = (
         "Chip thickness",
         "mm",
         "Mean distance between the two chip surfaces, normal to the chip's rake side, "
-        "from 1 to 2 depths of cut beyond the end of contact.",
+        "from 1 to 2 depths of cut beyond the end of contact. Surfaces of particles without a mesh lie half a spacing "
+        "outside of the outermost ones.",
     ),
     Definition(
         "chip_speed",
@@ -207,13 +208,15 @@ FIGURES = (
         "contact_length",
         "Contact length",
         "mm",
-        "Along the tool from the tip circle's tangent point on the rake face to the last loaded particle.",
+        "Along the tool from the tip circle's tangent point on the rake face to the last loaded particle. "
+        "Half a spacing farther for particles without a mesh.",
     ),
     Definition(
         "tip_arc_contact",
         "Loaded arc of the tip",
         "mm",
-        "Along the tip circle from the rake tangent point to its last loaded particle.",
+        "Along the tip circle from the rake tangent point to its last loaded particle. "
+        "Half a spacing farther for particles without a mesh.",
     ),
     Definition(
         "shear_angle",

@@ -21,10 +21,13 @@ from pfemcut.particles.small_matrices import product
 from pfemcut.particles.state import Arrays
 from pfemcut.particles.stress import PointState, cauchy_stress, linear_pressure, updated_bodies
 from pfemcut.sph.eulerian import PairConstants, pair_forces, support, velocity_sums
-from pfemcut.sph.pinball import PinballContact
+from pfemcut.sph.pinball import pinball_forces
 from pfemcut.sph.reference import inverse_moments
+from pfemcut.sph.touching import OtherBodies
 
 Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -43,12 +46,11 @@ class Eulerian:
         self._materials = [body.material for body in problem.bodies]
         controls = problem.smoothing
         reach = support(controls.smoothing_length)
-        if controls.kernel_contact:
-            self._neighbours = NeighbourList(reach)
-            self._pinballs: tuple[PinballContact, ...] = ()
-        else:
-            self._neighbours = NeighbourList(reach, problem.group)
-            self._pinballs = (PinballContact(problem),)
+        self._shear = problem.by_body([body.material.shear_modulus for body in problem.bodies])
+        self._neighbours = (
+            NeighbourList(reach) if controls.kernel_contact else NeighbourList(reach, group=problem.group)
+        )
+        self._touching = OtherBodies(controls.spacing, problem.body_number)
         self._constants = PairConstants(
             smoothing_length=controls.smoothing_length,
             spacing=controls.spacing,
@@ -115,18 +117,37 @@ class Eulerian:
             internal=internal,
             viscous=viscous,
             control=repulsive,
-            between=sum(
-                (each.forces(positions, velocities, dt) for each in self._pinballs), np.zeros_like(internal)
-            ),
+            between=self._between(positions, velocities, dt),
             material=update.state,
             volume_ratio=volume_ratio,
             plastic_work=float(update.plastic_work @ (problem.volume * volume_ratio)),
             memory=Density(volume_ratio),
         )
 
+    def _between(self, positions: Array, velocities: Array, dt: float) -> Array:
+        """Pinball contact between the bodies, unless they touch by the sums over the kernel."""
+        problem, controls = self._problem, self._problem.smoothing
+        if len(problem.bodies) == 1 or controls.kernel_contact:
+            return np.zeros_like(positions)
+        self._touching.follow(positions)
+        return pinball_forces(
+            self._touching,
+            positions,
+            velocities,
+            problem.mass,
+            self._shear,
+            controls.spacing,
+            controls.pinball,
+            dt,
+        )
+
     def renewed(self, memory: Density, positions: Array, volume_ratio: Array) -> tuple[Density, bool]:
         """``memory`` as it is: there is no reference configuration."""
         return memory, False
+
+    def connected(self, memory: Density, pairs: IntArray) -> BoolArray:
+        """True for all ``pairs`` (m, 2): what is near belongs together."""
+        return np.ones(len(pairs), dtype=bool)
 
     def arrays(self, memory: Density) -> Arrays:
         """``memory`` for a checkpoint."""

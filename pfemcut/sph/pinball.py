@@ -1,6 +1,7 @@
-"""Pinball contact between bodies (Belytschko and Yeh 1993; Islam et al. 2019, section 2.4).
+"""Pinball contact (Belytschko and Yeh 1993; Islam et al. 2019, section 2.4).
 
-Each particle carries a ball of half the spacing. Where balls of different bodies overlap by a penetration p,
+Bodies touch each other by it, and a body touches itself where it folds (:mod:`pfemcut.sph.connectivity`). Each particle
+carries a ball of half the spacing. Where two that may touch overlap by a penetration p,
 
 1. while they approach, the smaller of f1 and f2, else f2 pushes them apart along the line of their middles;
 2. f1 = k1 m_i m_j / (m_i + m_j) p' / dt, which takes the approach in a step or two. The paper has rho R³
@@ -18,43 +19,13 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
-from pfemcut.particles.cells import NeighbourList
-from pfemcut.particles.problem import ParticleProblem
+from pfemcut.sph.touching import Pairs
 
 Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
-
-class PinballContact:
-    """Contact by pinballs between the bodies of a problem."""
-
-    def __init__(self, problem: ParticleProblem) -> None:
-        self._problem = problem
-        self._near = NeighbourList(problem.smoothing.spacing)
-        self._shear = problem.by_body([body.material.shear_modulus for body in problem.bodies])
-
-    def forces(self, positions: Array, velocities: Array, dt: float) -> Array:
-        """Forces on the particles at ``positions`` (n, d), as :func:`pinball_forces` has them; zero for one body."""
-        problem = self._problem
-        if len(problem.bodies) == 1:
-            return np.zeros_like(positions)
-        self._near.follow(positions)
-        return pinball_forces(
-            self._near,
-            problem.body_number,
-            positions,
-            velocities,
-            problem.mass,
-            self._shear,
-            problem.smoothing.spacing,
-            problem.smoothing.pinball,
-            dt,
-        )
 
 
 def pinball_forces(
-    neighbours: NeighbourList,
-    body: IntArray,
+    touching: Pairs,
     positions: Array,
     velocities: Array,
     mass: Array,
@@ -67,10 +38,8 @@ def pinball_forces(
 
     Parameters
     ----------
-    neighbours
-        All particles nearer than ``spacing``.
-    body
-        Number of each particle's body; shape (n,).
+    touching
+        All pairs nearer than ``spacing`` that may touch.
     positions, velocities
         mm and mm/s; shape (n, d).
     mass, shear_modulus
@@ -85,9 +54,8 @@ def pinball_forces(
     width = spacing if positions.shape[1] == 2 else 1.0
     return np.asarray(
         _pinballs(
-            neighbours.offsets,
-            neighbours.indices,
-            body,
+            touching.offsets,
+            touching.indices,
             positions,
             velocities,
             mass,
@@ -98,26 +66,25 @@ def pinball_forces(
 
 
 @njit(parallel=True, cache=True)
-def _pinballs(offsets, indices, body, positions, velocities, mass, shear, constants):  # type: ignore[no-untyped-def]
+def _pinballs(offsets, indices, positions, velocities, mass, shear, constants):  # type: ignore[no-untyped-def]
     reach, stopping, hertz = constants
     count, dimension = positions.shape
     force = np.zeros((count, dimension))
     for i in prange(count):
         for k in range(offsets[i], offsets[i + 1]):
             j = indices[k]
-            if body[i] != body[j]:
-                square, closing = 0.0, 0.0
+            square, closing = 0.0, 0.0
+            for a in range(dimension):
+                x = positions[j, a] - positions[i, a]
+                square += x * x
+                closing -= x * (velocities[j, a] - velocities[i, a])
+            distance = np.sqrt(square)
+            if distance < reach and distance > 0.0:
+                elastic = hertz * shear[i] * shear[j] / (shear[i] + shear[j]) * (reach - distance) ** 1.5
+                push = elastic
+                if stopping > 0.0 and closing > 0.0:
+                    reduced = mass[i] * mass[j] / (mass[i] + mass[j])
+                    push = min(elastic, stopping * reduced * closing / distance)
                 for a in range(dimension):
-                    x = positions[j, a] - positions[i, a]
-                    square += x * x
-                    closing -= x * (velocities[j, a] - velocities[i, a])
-                distance = np.sqrt(square)
-                if distance < reach and distance > 0.0:
-                    elastic = hertz * shear[i] * shear[j] / (shear[i] + shear[j]) * (reach - distance) ** 1.5
-                    push = elastic
-                    if stopping > 0.0 and closing > 0.0:
-                        reduced = mass[i] * mass[j] / (mass[i] + mass[j])
-                        push = min(elastic, stopping * reduced * closing / distance)
-                    for a in range(dimension):
-                        force[i, a] -= push * (positions[j, a] - positions[i, a]) / distance
+                    force[i, a] -= push * (positions[j, a] - positions[i, a]) / distance
     return force

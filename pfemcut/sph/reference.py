@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pfemcut.particles.kernel import SUPPORT, slopes, weights
-from pfemcut.particles.neighbours import Neighbours, neighbours_within
+from pfemcut.particles.neighbours import Neighbours
 from pfemcut.particles.small_matrices import determinant, inverse
+from pfemcut.sph.connectivity import Connectivity, connectivity
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -33,8 +34,8 @@ class Reference:
         X (mm); shape (n, d).
     volume
         Of the particles in this configuration (mm^d); shape (n,).
-    neighbours
-        Pairs within the support of the kernel.
+    connectivity
+        Pairs within the support of the kernel: neighbours, and those of one body that are not connected.
     gradient_weight
         |dW/dr| / r of each entry (1/mm^(d+2)); shape (k,).
     distance
@@ -50,31 +51,52 @@ class Reference:
 
     points: Array
     volume: Array
-    neighbours: Neighbours
+    connectivity: Connectivity
     gradient_weight: Array
     distance: Array
     spring_length: Array
     spring_weight: Array
     correction: Array
 
+    @property
+    def neighbours(self) -> Neighbours:
+        """Pairs of neighbours."""
+        return self.connectivity.neighbours
+
+
+def reach(smoothing_length: float) -> float:
+    """Distance (mm) of the farthest neighbours.
+
+    Pairs just as far apart as the support reaches, of which lattices have many, add nothing.
+    """
+    return (1.0 - 1e-9) * SUPPORT * smoothing_length
+
 
 def reference_of(
     points: Array, volume: Array, group: IntArray, smoothing_length: float, corrected: bool
 ) -> Reference:
-    """The reference configuration at ``points`` (n, d) with ``volume`` (n,) and ``group`` (n,).
+    """The reference configuration at ``points`` (n, d) with ``volume`` (n,) and ``group`` (n,), all of it connected.
 
     Particles of different groups are no neighbours. ``smoothing_length`` in mm.
     """
+    none = np.empty((0, 2), dtype=np.int64)
+    pairs = connectivity(points, reach(smoothing_length), group, none)
+    return reference_with(points, volume, pairs, smoothing_length, corrected)
+
+
+def reference_with(
+    points: Array, volume: Array, pairs: Connectivity, smoothing_length: float, corrected: bool
+) -> Reference:
+    """The reference configuration at ``points`` (n, d) with ``volume`` (n,) and known ``pairs``."""
     dimension = points.shape[1]
-    # Pairs just as far apart as the support reaches, of which lattices have many, add nothing.
-    neighbours = neighbours_within(points, (1.0 - 1e-9) * SUPPORT * smoothing_length, group)
+    neighbours = pairs.neighbours
     apart = points[neighbours.indices] - points[neighbours.owners]
     distance = np.sqrt(np.einsum("ka,ka->k", apart, apart))
     weight = -slopes(distance, smoothing_length, dimension) / distance
     correction = inverse_moments(moments(neighbours, apart, weight, volume), corrected)
     length = np.maximum(distance, SHORTEST_SPRING * smoothing_length)
     spring = weights(distance, smoothing_length, dimension) / length**2
-    return Reference(points, volume, neighbours, weight, distance, length, spring, correction)
+    return Reference(points, volume, pairs, weight, distance, length, spring, correction)
 
 
 def inverse_moments(moments: Array, corrected: bool) -> Array:

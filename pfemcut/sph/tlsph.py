@@ -1,8 +1,8 @@
 """Total-Lagrangian SPH: kernel sums over a reference configuration (Islam et al. 2019, section 2.2; Vignjevic 2006).
 
 Neighbours and kernel gradients are those of the reference, so there is no tensile instability. Where deformation is
-large the present configuration becomes the reference, with new neighbours; stress stays, and so does the strain of the
-springs that control zero-energy modes.
+large the present configuration becomes the reference, with new neighbours among particles that are connected; stress
+stays, and so does the strain of the springs that control zero-energy modes. Particles that aren't connected touch.
 """
 
 from __future__ import annotations
@@ -18,12 +18,16 @@ from pfemcut.particles.problem import ParticleProblem
 from pfemcut.particles.small_matrices import determinant, inverse, product, transposed
 from pfemcut.particles.state import Arrays
 from pfemcut.particles.stress import PointState, cauchy_stress, linear_pressure, updated_bodies, von_mises
+from pfemcut.sph.connectivity import Connectivity, connectivity, renewed_connectivity
 from pfemcut.sph.damping import Springs, carried, damping_force, hidden_length
-from pfemcut.sph.pinball import PinballContact
-from pfemcut.sph.reference import Reference, reference_of
+from pfemcut.sph.pinball import pinball_forces
+from pfemcut.sph.reference import Reference, reach, reference_of, reference_with
 from pfemcut.sph.total_lagrangian import deformation_gradient, internal_force
+from pfemcut.sph.touching import TouchingPairs
 
 Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -54,8 +58,9 @@ class TotalLagrangian:
     def __init__(self, problem: ParticleProblem) -> None:
         self._problem = problem
         self._bulk = problem.by_body([body.material.bulk_modulus for body in problem.bodies])
-        self._pinballs = PinballContact(problem)
+        self._shear = problem.by_body([body.material.shear_modulus for body in problem.bodies])
         self._materials = [body.material for body in problem.bodies]
+        self._touching = TouchingPairs(problem.smoothing.spacing, problem.body_number, problem.group)
 
     @property
     def problem(self) -> ParticleProblem:
@@ -64,10 +69,11 @@ class TotalLagrangian:
 
     def start(self) -> Deformation:
         """The reference at time zero, undeformed."""
-        reference = self._reference(self._problem.points, np.ones(len(self._problem.points)))
-        return self._undeformed(
-            reference, np.ones(len(self._problem.points)), np.zeros(reference.distance.shape)
+        problem, controls = self._problem, self._problem.smoothing
+        reference = reference_of(
+            problem.points, problem.volume, problem.group, controls.smoothing_length, controls.corrected
         )
+        return self._undeformed(reference, np.ones(len(problem.points)), np.zeros(reference.distance.shape))
 
     def evaluate(
         self, memory: Deformation, material: PointState, positions: Array, velocities: Array, dt: float
@@ -126,11 +132,26 @@ class TotalLagrangian:
             internal=internal_force(reference, first_piola),
             viscous=viscous,
             control=control,
-            between=self._pinballs.forces(positions, velocities, dt),
+            between=self._between(reference, positions, velocities, dt),
             material=update.state,
             volume_ratio=volume_ratio,
             plastic_work=float(update.plastic_work @ (problem.volume * volume_ratio)),
             memory=Deformation(reference, memory.reference_ratio, gradient, slip),
+        )
+
+    def _between(self, reference: Reference, positions: Array, velocities: Array, dt: float) -> Array:
+        """Pinball contact between the bodies, and of each with itself."""
+        problem = self._problem
+        self._touching.follow(positions, reference.connectivity)
+        return pinball_forces(
+            self._touching,
+            positions,
+            velocities,
+            problem.mass,
+            self._shear,
+            problem.smoothing.spacing,
+            problem.smoothing.pinball,
+            dt,
         )
 
     def renewed(self, memory: Deformation, positions: Array, volume_ratio: Array) -> tuple[Deformation, bool]:
@@ -144,17 +165,25 @@ class TotalLagrangian:
         largest = float(np.sqrt(np.max(np.einsum("ka,ka->k", relative, relative), initial=0.0)))
         if largest <= controls.reference_update * controls.smoothing_length:
             return memory, False
-        reference = self._reference(positions, volume_ratio)
+        connected = renewed_connectivity(
+            memory.reference.connectivity, positions, reach(controls.smoothing_length), self._problem.group
+        )
+        reference = self._reference(positions, volume_ratio, connected)
         strain = (
             hidden_length(memory.reference, positions, memory.gradient) - memory.slip
         ) / memory.reference.spring_length
         kept = carried(strain, memory.reference.neighbours, reference.neighbours)
         return self._undeformed(reference, volume_ratio, -kept * reference.spring_length), True
 
+    def connected(self, memory: Deformation, pairs: IntArray) -> BoolArray:
+        """Whether each of the ``pairs`` (m, 2) of one body's particles belongs together."""
+        return memory.reference.connectivity.connected(pairs)
+
     def arrays(self, memory: Deformation) -> Arrays:
-        """``memory`` for a checkpoint; neighbours and kernels are found again from the points."""
+        """``memory`` for a checkpoint; neighbours and kernels are found again from the points and what is apart."""
         return {
             "reference/points": memory.reference.points,
+            "reference/apart": memory.reference.connectivity.apart_pairs,
             "reference/ratio": memory.reference_ratio,
             "reference/gradient": memory.gradient,
             "reference/slip": memory.slip,
@@ -166,7 +195,12 @@ class TotalLagrangian:
         ratio = np.asarray(arrays["reference/ratio"], dtype=np.float64)
         gradient = np.asarray(arrays["reference/gradient"], dtype=np.float64)
         slip = np.asarray(arrays["reference/slip"], dtype=np.float64)
-        return Deformation(self._reference(points, ratio), ratio, gradient, slip)
+        # Runs whose checkpoints don't say what is apart joined all that was near.
+        apart = np.asarray(arrays.get("reference/apart", np.empty((0, 2))), dtype=np.int64)
+        connected = connectivity(
+            points, reach(self._problem.smoothing.smoothing_length), self._problem.group, apart
+        )
+        return Deformation(self._reference(points, ratio, connected), ratio, gradient, slip)
 
     @staticmethod
     def _undeformed(reference: Reference, ratio: Array, slip: Array) -> Deformation:
@@ -174,12 +208,8 @@ class TotalLagrangian:
         identity = np.broadcast_to(np.eye(dimension), (count, dimension, dimension)).copy()
         return Deformation(reference, ratio, identity, slip)
 
-    def _reference(self, points: Array, ratio: Array) -> Reference:
-        problem = self._problem
-        return reference_of(
-            points,
-            problem.volume * ratio,
-            problem.group,
-            problem.smoothing.smoothing_length,
-            problem.smoothing.corrected,
+    def _reference(self, points: Array, ratio: Array, connected: Connectivity) -> Reference:
+        problem, controls = self._problem, self._problem.smoothing
+        return reference_with(
+            points, problem.volume * ratio, connected, controls.smoothing_length, controls.corrected
         )

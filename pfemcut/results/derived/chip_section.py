@@ -6,6 +6,9 @@ side, which is exact for a straight and for a circular chip; normal to it a ray 
 Points are written in the rake frame: origin in the rake tangent point, first coordinate s up the rake face, second
 n away from it into the chip.
 
+The surface of particles without a mesh lies outside of the outermost ones, by the frame's ``surface_offset``: both
+sides are measured there.
+
 The end of the chip, which was the workpiece's end face, isn't chip as the definitions mean it: stations closer to it
 than one depth are left out.
 """
@@ -100,10 +103,10 @@ def chip_section(frame: Frame, tool: RigidWedge, depth: float, reach: float = 2.
     edges = loop_edges([surface])
     # The ray begins inside the chip, so that it doesn't leave through the roughness of the rake side.
     inside = 0.2 * depth
-    beyond, crossed = first_crossing(
+    crossing, crossed = first_crossing(
         rake_side + inside * normal, normal, points[edges[:, 0]], points[edges[:, 1]], outward=True
     )
-    distance = inside + beyond
+    distance = inside + crossing
     free_side = rake_side + np.where(np.isfinite(distance), distance, 0.0)[:, None] * normal
     # Not the nearest particle of all: where the chip touches the workpiece, that may be one of the workpiece.
     ends = np.column_stack([crossed, (crossed + 1) % len(surface)])
@@ -116,9 +119,10 @@ def chip_section(frame: Frame, tool: RigidWedge, depth: float, reach: float = 2.
         return _NOTHING
     velocity = np.asarray(frame.point_fields["velocity"], dtype=np.float64)[surface]
     velocity = np.column_stack([velocity @ tool.rake_direction, velocity @ tool.rake_normal])
+    beyond = frame.surface_offset * normal
     return ChipSection(
-        rake_side[valid],
-        free_side[valid],
+        (rake_side - beyond)[valid],
+        (free_side + beyond)[valid],
         direction[valid],
         0.5 * (_along(arc, velocity, stations) + velocity[nearest])[valid],
         np.count_nonzero(valid) == STATIONS,

@@ -28,7 +28,7 @@ def derived_columns(frame: Frame, cut: Cut) -> dict[str, float]:
         "chip_thickness": thickness.mean,
         "chip_complete": float(thickness.complete),
         "chip_speed": chip_speed(section, tool, (-cut.speed, 0.0)),
-        "tip_arc_contact": tip_arc_contact(frame.contact, tool),
+        "tip_arc_contact": tip_arc_contact(frame.contact, tool, frame.surface_offset),
         "shear_angle": shear_angle_of_ratio(cut.depth, thickness.mean, tool.rake),
         "shear_angle_band": shear_angle_of_band(frame, tool, cut.depth),
         # Curvature, not radius: the mean of radii that pass through infinity means nothing.
