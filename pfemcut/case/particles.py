@@ -43,8 +43,8 @@ class ExplicitParticles(Section):
     )
     pinball: Annotated[tuple[float, float], BeforeValidator(as_tuples)] = Field(
         default=(0.0, 1.0),
-        description="Factors k1 and k2 of pinballs between bodies, and with tlsph of a body with itself (dimensionless); "
-        "k1 = 0 leaves Hertz's law alone",
+        description="Factors k1 and k2 of pinballs between bodies, and with tlsph of a body with itself "
+        "(dimensionless); k1 = 0 leaves Hertz's law alone",
     )
     courant: float = Field(default=0.3, gt=0, le=1, description="Time step over its limit of stability")
     mass_scaling: float = Field(
