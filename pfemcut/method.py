@@ -67,6 +67,11 @@ class ContactView:
     pressure: Array
     shear: Array
 
+    @staticmethod
+    def none() -> ContactView:
+        """No contact."""
+        return ContactView(np.empty(0, dtype=np.int64), np.empty(0), np.empty(0), np.empty(0))
+
 
 @dataclass(frozen=True)
 class Block:

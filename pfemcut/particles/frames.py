@@ -12,21 +12,25 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import Delaunay
+from scipy.spatial import Delaunay, cKDTree
 
 from pfemcut.method import ContactView, Frame
 from pfemcut.output.vtu import boundary_loops
-from pfemcut.particles.contact import tool_contact_view
 from pfemcut.particles.formulation import ForceModel
 from pfemcut.particles.problem import ParticleProblem
 from pfemcut.particles.state import Memory, State
 from pfemcut.particles.stress import linear_pressure, von_mises
+from pfemcut.results.derived.rays import loop_edges
+from pfemcut.results.derived.tool_profiles import directions, facing_halves
+from pfemcut.tools.rigid_wedge import RigidWedge
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 LARGEST_RADIUS = 1.6
 """Largest circumradius of a triangle over the spacing of particles at time zero; a square lattice has 0.71."""
+_LEAST_LENGTH = 0.25
+"""Of the spacing: particles of the outline with less of it along the tool bear no traction of their own."""
 
 
 def frame_of(model: ForceModel[Memory], state: State[Memory], travel: float) -> Frame:
@@ -42,6 +46,16 @@ def frame_of(model: ForceModel[Memory], state: State[Memory], travel: float) -> 
         sides = particles.start + cells[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
         cells = cells[model.connected(state.memory, sides).reshape(-1, 3).all(axis=1)]
     loops = boundary_loops(cells)
+    tools = tuple(tool.at(state.clock.time) for tool in problem.tool)
+    contact = ContactView.none()
+    for tool in tools:
+        contact = tractions_on(
+            tool,
+            state.positions[particles],
+            state.loads.contact[particles],
+            loops,
+            problem.smoothing.spacing,
+        )
     return Frame(
         step=state.clock.batches,
         time=state.clock.time,
@@ -51,8 +65,8 @@ def frame_of(model: ForceModel[Memory], state: State[Memory], travel: float) -> 
         loops=loops,
         point_fields={name: values[particles] for name, values in fields.items()},
         cell_fields=cell_fields(fields, cells) if len(cells) else {},
-        tool=tuple(tool.at(state.clock.time) for tool in problem.tool),
-        contact=_on_outline(tool_contact_view(problem, state.positions[particles], state.clock.time), loops),
+        tool=tools,
+        contact=contact,
         surface_offset=0.5 * problem.smoothing.spacing,
     )
 
@@ -103,11 +117,38 @@ def cell_fields(fields: Mapping[str, NDArray[Any]], cells: IntArray) -> dict[str
     return found
 
 
-def _on_outline(contact: ContactView, loops: tuple[IntArray, ...]) -> ContactView:
-    """``contact`` of the particles on the outline; inner ones may be within reach of the tool too."""
-    kept = (
-        np.isin(contact.particles, np.concatenate(loops)) if loops else np.ones(len(contact.particles), bool)
+def tractions_on(
+    tool: RigidWedge, points: Array, forces: Array, loops: tuple[IntArray, ...], spacing: float
+) -> ContactView:
+    """What the body feels of the tool, at the particles of its outline that face the tool.
+
+    Each stands for the halves of the outline's edges beside it, as in profiles along the tool; forces on other
+    particles, inside of the outline or with hardly an edge along the tool, are taken to the nearest of these. So
+    tractions times lengths add up to the forces.
+
+    Parameters
+    ----------
+    points
+        Of the body's particles (mm); shape (n, 2).
+    forces
+        Of the tool on them (N per mm of width); shape (n, 2).
+    loops
+        The outline.
+    spacing
+        Of particles at the start (mm).
+    """
+    touching = np.flatnonzero(np.any(forces != 0.0, axis=1))
+    before, after = facing_halves(tool, points, loop_edges(loops))
+    length = before + after
+    carrying = touching[length[touching] > _LEAST_LENGTH * spacing]
+    arc = tool.arc_length(points[carrying])
+    if not carrying.size:
+        return ContactView(carrying, arc, np.empty(0), np.empty(0))
+    normal, along = directions(tool, points[touching])
+    _, nearest = cKDTree(arc[:, None]).query(tool.arc_length(points[touching])[:, None])
+    pressure, shear = (
+        np.bincount(nearest, np.sum(forces[touching] * direction, axis=1), minlength=carrying.size)
+        / length[carrying]
+        for direction in (normal, along)
     )
-    return ContactView(
-        contact.particles[kept], contact.arc_length[kept], contact.pressure[kept], contact.shear[kept]
-    )
+    return ContactView(carrying, arc, pressure, np.abs(shear))
