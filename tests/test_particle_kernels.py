@@ -23,7 +23,14 @@ from pfemcut.particles.stress import (
     von_mises,
 )
 from pfemcut.sph.damping import Springs, carried, damping_force, hidden_length
-from pfemcut.sph.reference import Reference, reference_of
+from pfemcut.sph.reference import (
+    SMALLEST_EIGENVALUE,
+    Reference,
+    bounded_inverse_moments,
+    inverse_moments,
+    moments,
+    reference_of,
+)
 from pfemcut.sph.total_lagrangian import deformation_gradient, internal_force
 
 Array = NDArray[np.float64]
@@ -281,3 +288,30 @@ def test_pressure_and_stress() -> None:
     stress = cauchy_stress(np.array([[1.0, 2.0, -3.0, 4.0, 5.0, 6.0]]), np.array([10.0]), 3)[0]
     assert (stress == [[-9.0, 4.0, 6.0], [4.0, -8.0, 5.0], [6.0, 5.0, -13.0]]).all()
     assert (cauchy_stress(np.array([[1.0, 2.0, -3.0, 4.0, 0.0, 0.0]]), np.array([0.0]), 2)[0]).shape == (2, 2)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("smoothing", [1.2, 1.5, 2.0])
+def test_only_odd_particles_have_a_bounded_correction(dimension: int, smoothing: float) -> None:
+    """A lattice is corrected in full up to its corners; a particle pushed out of its side has a bounded stiffness."""
+    points = np.stack(np.meshgrid(*[np.arange(9.0)] * dimension, indexing="ij"), axis=-1).reshape(
+        -1, dimension
+    )
+    group = np.zeros(len(points), dtype=np.int64)
+
+    def found(places: Array) -> tuple[Array, Array]:
+        body = reference_of(places, np.ones(len(places)), group, smoothing, True)
+        rows = body.neighbours
+        apart = places[rows.indices] - places[rows.owners]
+        return moments(rows, apart, body.gradient_weight, body.volume), body.correction
+
+    exact, correction = found(points)
+    assert np.allclose(correction @ exact, np.eye(dimension), atol=1e-12)
+    odd = int(np.flatnonzero((points == [0.0, *[4.0] * (dimension - 1)]).all(axis=1))[0])
+    points[odd, 0] -= 1.2 * smoothing
+    exact, correction = found(points)
+    assert np.linalg.eigvalsh(exact[odd]).min() < 0.6 * SMALLEST_EIGENVALUE
+    assert np.linalg.eigvalsh(correction[odd]).max() < 1.001 / SMALLEST_EIGENVALUE
+    others = np.arange(len(points)) != odd
+    assert np.allclose(correction[others] @ exact[others], np.eye(dimension), atol=1e-12)
+    assert (bounded_inverse_moments(exact, False) == inverse_moments(exact, False)).all()
