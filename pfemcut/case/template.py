@@ -155,6 +155,10 @@ def _key(key: str, field: FieldInfo, value: Any = None, optional: bool = False) 
 
 
 def _written(key: str, value: Any) -> str:
+    if isinstance(value, (list, tuple)):
+        # On one line, since the caller may make a comment of it.
+        items = (_written("item", each).removeprefix("item = ") for each in value)
+        return f"{key} = [{', '.join(items)}]"
     return tomli_w.dumps({key: value}).strip()
 
 
