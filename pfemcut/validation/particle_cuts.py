@@ -9,7 +9,8 @@ feed. All figures but the force are of the last frame:
 - shear band: the ridge of the strain rate, see :mod:`pfemcut.particles.measures`; its angle is taken from the cutting
   direction;
 - segments: peaks of plastic strain along the middle of the chip, over where particles began, 2 h or more from the face
-  that the tool hit, that stand out by a tenth of its mean; their number over that length gives the frequency;
+  that the tool hit, averaged over 0.04 mm, that stand out by a tenth of its mean; their number over that length gives
+  the frequency;
 - noise of plastic strain from particle to particle, and disorder and clusters: of the chip's particles that began 2 h
   away from its sides.
 """
@@ -42,6 +43,8 @@ REDUCED, FULL = 0.02, 0.01
 """Spacings (mm); the second is the paper's."""
 _REACH = 0.24
 """mm; see :func:`pfemcut.particles.measures.bands`."""
+_STEP = 0.04
+"""mm, over which strain is averaged before segments are looked for: noise of single particles is none."""
 
 
 def cuts(folder: Path, method: str) -> Study:
@@ -126,7 +129,7 @@ def chip_of(cloud: Cloud, edge: float) -> Chip:
     band = bands(grid, 0.3 * float(np.nanmax(grid.values)), _REACH)
     middle = chip & (np.abs(y - 0.5 * (top + edge)) < 1.5 * spacing) & (x < far - reach)
     strain = cloud.fields["equivalent_plastic_strain"][middle]
-    peaks = np.sort(peaks_along(x[middle], strain, spacing, 0.1 * float(strain.mean())))
+    peaks = np.sort(peaks_along(x[middle], strain, _STEP, 0.1 * float(strain.mean())))
     return Chip(
         thickness=thickness,
         band_width=band.width,
