@@ -244,17 +244,23 @@ def _draw(method: str, name: str, cloud: Cloud, path: Path) -> None:
         at.scatter(*cloud.others.T, color="0.8", s=size, marker="s", linewidths=0.0)
         figure.colorbar(drawn, ax=at, label=label, location="bottom", shrink=0.8)
         at.set(aspect="equal", xlim=(low, high), xlabel="x (mm)", ylabel="y (mm)")
-    figure.suptitle(f"{method.upper()}, {name.replace('_', ' ')} mm, {cloud.time * 1e6:.0f} µs")
+    figure.suptitle(f"{method.upper()}, {_words(name)}, {cloud.time * 1e6:.0f} µs")
     figure.savefig(path, dpi=80)
     plt.close(figure)
     copy_picture(path, path)
+
+
+def _words(name: str) -> str:
+    """A variant's name with units: feed, spacing and what else differs."""
+    _, feed, spacing, *others = name.split("_")
+    return f"feed {feed} mm, spacing {spacing} mm" + (f", {' '.join(others)}" if others else "")
 
 
 def _draw_forces(method: str, outcomes: Sequence[Outcome], clouds: Sequence[Cloud], path: Path) -> None:
     figure, at = plt.subplots(figsize=(8.0, 4.0), layout="constrained")
     for outcome, cloud in zip(outcomes, clouds, strict=True):
         time, force = tool_force(outcome.history, _speed(cloud))
-        at.plot(time * 1e6, force, linewidth=0.9, label=outcome.variant.name.replace("_", " "))
+        at.plot(time * 1e6, force, linewidth=0.9, label=_words(outcome.variant.name))
     at.set(xlabel="time (µs)", ylabel="cutting force (N/mm)", title=method.upper())
     at.legend(fontsize="small")
     at.grid(alpha=0.3)
