@@ -184,8 +184,13 @@ def _draw_ladder(method: str, rows: Sequence[Sequence[str | float]], path: Path)
         at.set(
             xlabel="spacing (mm)", ylabel="final length (mm)" if reference == 0 else "mushroom diameter (mm)"
         )
-        at.legend(fontsize="x-small")
         at.grid(alpha=0.3)
+    # Lengths, from surface to surface, have the lines of the diameters that are measured so.
+    handles, labels = axes[1].get_legend_handles_labels()
+    labels = [
+        label.replace(", diameter", "", 1) + ", surfaces" * label.endswith("diameter") for label in labels
+    ]
+    figure.legend(handles, labels, loc="outside lower center", ncols=5, fontsize="x-small")
     figure.suptitle(f"Taylor bar, {method.upper()}")
     figure.savefig(path, dpi=90)
     plt.close(figure)
