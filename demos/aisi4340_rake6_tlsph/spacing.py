@@ -11,21 +11,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from pfemcut.results.published import ALWAYS_SHOWN
 from pfemcut.results.summary import figure_mean, figure_std
 from pfemcut.validation.study import Outcome, Study, Variant, finite_figures, main, write_table
 
 FOLDER = Path(__file__).resolve().parent
 RECORDED = {"pfem": FOLDER.parent / "aisi4340_rake6", "spacing_0.01": FOLDER}
-FIGURES = (
-    "cutting_force",
-    "thrust_force",
-    "chip_thickness",
-    "contact_length",
-    "shear_angle",
-    "shear_angle_band",
-    "max_temperature",
-    "contact_end_temperature",
-)
 SHARES = ("viscous_work", "zero_energy_work", "kinetic_energy")
 SCATTERING = ("cutting_force", "thrust_force")
 
@@ -37,7 +28,7 @@ def conclude(outcomes: Sequence[Outcome], results: Path) -> tuple[dict[str, Any]
         for name, folder in RECORDED.items()
     ]
     rows += [row(outcome.variant.name, outcome.summary) for outcome in outcomes]
-    header = ("run", *FIGURES, *(f"{name}_std" for name in SCATTERING), *SHARES, "wall_time")
+    header = ("run", *ALWAYS_SHOWN, *(f"{name}_std" for name in SCATTERING), *SHARES, "wall_time")
     write_table(results / "spacing.csv", "Spacing, reference updates and viscosity", header, rows)
     finished = all(outcome.summary["finished"] for outcome in outcomes)
     return {"figures": finite_figures(header, rows)}, finished
@@ -48,7 +39,7 @@ def row(name: str, summary: Mapping[str, Any]) -> list[str | float]:
     ledgers = summary["ledgers"]
     return [
         name,
-        *(figure_mean(summary, figure) for figure in FIGURES),
+        *(figure_mean(summary, figure) for figure in ALWAYS_SHOWN),
         *(figure_std(summary, figure) for figure in SCATTERING),
         *(abs(ledgers.get(share, float("nan"))) / ledgers["tool_work"] for share in SHARES),
         figure_mean(summary, "wall_time"),

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
 
 _SKIN = 0.15
 """Of the radius: longer lists against rarer ones."""
@@ -49,8 +50,12 @@ class NeighbourList:
             if np.max(np.einsum("na,na->n", moved, moved)) <= (0.5 * self._skin * self._radius) ** 2:
                 return
         found = pairs_in_cells(points, (1.0 + self._skin) * self._radius)
-        self.offsets, self.indices = _of_one_group(*found, self._group) if len(self._group) else found
+        self.offsets, self.indices = self._of_one_group(*found) if len(self._group) else found
         self._made_at = points
+
+    def _of_one_group(self, offsets: IntArray, indices: IntArray) -> tuple[IntArray, IntArray]:
+        owners = np.repeat(self._group, np.diff(offsets))
+        return kept_rows(offsets, indices, self._group[indices] == owners)
 
 
 def pairs_in_cells(points: Array, radius: float) -> tuple[IntArray, IntArray]:
@@ -75,9 +80,8 @@ def pairs_in_cells(points: Array, radius: float) -> tuple[IntArray, IntArray]:
     return offsets, _transposed(offsets, indices)
 
 
-def _of_one_group(offsets: IntArray, indices: IntArray, group: IntArray) -> tuple[IntArray, IntArray]:
-    """The rows without neighbours of other groups."""
-    kept = group[indices] == np.repeat(group, np.diff(offsets))
+def kept_rows(offsets: IntArray, indices: IntArray, kept: BoolArray) -> tuple[IntArray, IntArray]:
+    """The rows with those entries only that are ``kept`` (k,)."""
     return np.concatenate([[0], np.cumsum(kept)])[offsets], indices[kept]
 
 

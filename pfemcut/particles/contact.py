@@ -102,7 +102,6 @@ def grown(tool: RigidWedge, distance: float) -> RigidWedge:
 
 def tool_contact_view(problem: ParticleProblem, positions: Array, time: float) -> ContactView:
     """Particles that touch the tool, without friction's part."""
-    none = np.empty(0)
     for tool in problem.tool:
         shape = tool.at(time)
         gap = grown(shape, 0.5 * problem.smoothing.spacing).closest(positions).gap
@@ -113,4 +112,4 @@ def tool_contact_view(problem: ParticleProblem, positions: Array, time: float) -
             -problem.contact.penalty * gap[touching],
             np.zeros(len(touching)),
         )
-    return ContactView(np.empty(0, dtype=np.int64), none, none, none)
+    return ContactView.none()

@@ -74,8 +74,7 @@ def frame_of(model: ForceModel[Memory], state: State[Memory], travel: float) -> 
 def point_fields(problem: ParticleProblem, state: State[Any]) -> dict[str, NDArray[Any]]:
     """Fields on the particles by standard name."""
     material = state.material
-    bulk = problem.by_body([body.material.bulk_modulus for body in problem.bodies])
-    pressure = linear_pressure(bulk, state.volume_ratio)
+    pressure = linear_pressure(problem.bulk_modulus, state.volume_ratio)
     stress = material.deviator.copy()
     stress[:, :3] -= pressure[:, None]
     mises = von_mises(material.deviator)

@@ -161,8 +161,8 @@ class ParticleMethod(Generic[Memory]):
     def _elastic_energy(self) -> float:
         problem, state = self._problem, self._state
         density = elastic_energy(
-            problem.by_body([body.material.bulk_modulus for body in problem.bodies]),
-            problem.by_body([body.material.shear_modulus for body in problem.bodies]),
+            problem.bulk_modulus,
+            problem.shear_modulus,
             state.material.deviator,
             state.volume_ratio,
         )

@@ -262,6 +262,16 @@ class ParticleProblem(OneStage):
         return self.time.mass_scaling * self.by_body([body.material.density for body in self.bodies])
 
     @cached_property
+    def bulk_modulus(self) -> Array:
+        """Of each particle (MPa); shape (n,)."""
+        return self.by_body([body.material.bulk_modulus for body in self.bodies])
+
+    @cached_property
+    def shear_modulus(self) -> Array:
+        """Of each particle (MPa); shape (n,)."""
+        return self.by_body([body.material.shear_modulus for body in self.bodies])
+
+    @cached_property
     def mass(self) -> Array:
         """Of each particle (tonne, or tonne/mm of width), scaled; shape (n,)."""
         return self.inertial_density * self.volume

@@ -124,14 +124,8 @@ def _site_force(  # type: ignore[no-untyped-def]
         if not alive[e]:
             continue
         f, j = family[e], indices[e]
-        dx = vector[f, 0] + (u[j, 0] - u[i, 0])
-        dy = vector[f, 1] + (u[j, 1] - u[i, 1])
-        length = np.sqrt(dx * dx + dy * dy)
-        pull = stiffness[f] * (length - spacing) / length
-        if damping > 0.0:
-            rate = ((v[j, 0] - v[i, 0]) * dx + (v[j, 1] - v[i, 1]) * dy) / length
-            pull += stiffness[f] * damping * rate / length
-            energy[i, 1] += 0.5 * stiffness[f] * damping * rate * rate * dt
+        dx, dy, length, pull, lost = _bond(i, j, f, vector, stiffness, spacing, damping, u, v)
+        energy[i, 1] += lost * dt
         fx += pull * dx
         fy += pull * dy
         s = (length - spacing) * per_spacing
@@ -203,6 +197,21 @@ def _doom(doomed, one, other):  # type: ignore[no-untyped-def]
         doomed[other] = 1
 
 
+@njit(inline="always")
+def _bond(i, j, f, vector, stiffness, spacing, damping, u, v):  # type: ignore[no-untyped-def]
+    """From ``i`` to ``j`` now, the length, the force over it, and half the power of the damping."""
+    dx = vector[f, 0] + (u[j, 0] - u[i, 0])
+    dy = vector[f, 1] + (u[j, 1] - u[i, 1])
+    length = np.sqrt(dx * dx + dy * dy)
+    pull = stiffness[f] * (length - spacing) / length
+    lost = 0.0
+    if damping > 0.0:
+        rate = ((v[j, 0] - v[i, 0]) * dx + (v[j, 1] - v[i, 1]) * dy) / length
+        pull += stiffness[f] * damping * rate / length
+        lost = 0.5 * stiffness[f] * damping * rate * rate
+    return dx, dy, length, pull, lost
+
+
 @njit(cache=True)
 def _break_site(  # type: ignore[no-untyped-def]
     i, offsets, indices, reverse, family, vector, stiffness, spacing, damping, dt, time,
@@ -214,14 +223,8 @@ def _break_site(  # type: ignore[no-untyped-def]
             alive[e] = 0
             broken_at[e] = time
             f, j = family[e], indices[e]
-            dx = vector[f, 0] + (u[j, 0] - u[i, 0])
-            dy = vector[f, 1] + (u[j, 1] - u[i, 1])
-            length = np.sqrt(dx * dx + dy * dy)
-            pull = stiffness[f] * (length - spacing) / length
-            if damping > 0.0:
-                rate = ((v[j, 0] - v[i, 0]) * dx + (v[j, 1] - v[i, 1]) * dy) / length
-                pull += stiffness[f] * damping * rate / length
-                energy[i, 1] -= 0.5 * stiffness[f] * damping * rate * rate * dt
+            dx, dy, length, pull, lost = _bond(i, j, f, vector, stiffness, spacing, damping, u, v)
+            energy[i, 1] -= lost * dt
             force[i, 0] -= pull * dx
             force[i, 1] -= pull * dy
             energy[i, 0] += 0.25 * stiffness[f] * (length - spacing) ** 2

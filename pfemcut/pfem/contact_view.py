@@ -41,8 +41,7 @@ def contact_view(problem: Problem, state: State) -> ContactView:
         )
         for interface in contact_search(problem, mesh, np.zeros_like(mesh.points))
     ]
-    empty = np.empty(0)
-    views.append(ContactView(np.empty(0, dtype=np.int64), empty, empty, empty))
+    views.append(ContactView.none())
     return ContactView(
         np.concatenate([each.particles for each in views]),
         np.concatenate([each.arc_length for each in views]),

@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pfemcut.results.definitions import FIGURES, Definition, Taken
+from pfemcut.results.definition import Definition, Taken
+from pfemcut.results.definitions import FIGURES
 from pfemcut.results.derived.friction import apparent_friction
 from pfemcut.results.derived.specific_energy import specific_energy
 from pfemcut.results.derived.steady_window import SteadyWindow, steady_window

@@ -21,7 +21,7 @@ from pfemcut.particles.small_matrices import product
 from pfemcut.particles.state import Arrays
 from pfemcut.particles.stress import PointState, cauchy_stress, linear_pressure, updated_bodies
 from pfemcut.sph.eulerian import PairConstants, pair_forces, support, velocity_sums
-from pfemcut.sph.pinball import pinball_forces
+from pfemcut.sph.pinball import pinball_contact
 from pfemcut.sph.reference import inverse_moments
 from pfemcut.sph.touching import OtherBodies
 
@@ -42,11 +42,9 @@ class Eulerian:
 
     def __init__(self, problem: ParticleProblem) -> None:
         self._problem = problem
-        self._bulk = problem.by_body([body.material.bulk_modulus for body in problem.bodies])
         self._materials = [body.material for body in problem.bodies]
         controls = problem.smoothing
         reach = support(controls.smoothing_length)
-        self._shear = problem.by_body([body.material.shear_modulus for body in problem.bodies])
         self._neighbours = (
             NeighbourList(reach) if controls.kernel_contact else NeighbourList(reach, group=problem.group)
         )
@@ -101,7 +99,7 @@ class Eulerian:
         update = updated_bodies(
             self._materials, problem.ranges, material, velocity_gradient, dt, volume_ratio
         )
-        pressure = linear_pressure(self._bulk, volume_ratio)
+        pressure = linear_pressure(problem.bulk_modulus, volume_ratio)
         stress = cauchy_stress(update.state.deviator, pressure, problem.dimension)
         internal, viscous, repulsive = pair_forces(
             self._neighbours,
@@ -126,20 +124,11 @@ class Eulerian:
 
     def _between(self, positions: Array, velocities: Array, dt: float) -> Array:
         """Pinball contact between the bodies, unless they touch by the sums over the kernel."""
-        problem, controls = self._problem, self._problem.smoothing
-        if len(problem.bodies) == 1 or controls.kernel_contact:
+        problem = self._problem
+        if len(problem.bodies) == 1 or problem.smoothing.kernel_contact:
             return np.zeros_like(positions)
         self._touching.follow(positions)
-        return pinball_forces(
-            self._touching,
-            positions,
-            velocities,
-            problem.mass,
-            self._shear,
-            controls.spacing,
-            controls.pinball,
-            dt,
-        )
+        return pinball_contact(problem, self._touching, positions, velocities, dt)
 
     def renewed(self, memory: Density, positions: Array, volume_ratio: Array) -> tuple[Density, bool]:
         """``memory`` as it is: there is no reference configuration."""

@@ -19,9 +19,26 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
+from pfemcut.particles.problem import ParticleProblem
 from pfemcut.sph.touching import Pairs
 
 Array = NDArray[np.float64]
+
+
+def pinball_contact(
+    problem: ParticleProblem, touching: Pairs, positions: Array, velocities: Array, dt: float
+) -> Array:
+    """:func:`pinball_forces` between the particles of a problem; shape (n, d)."""
+    return pinball_forces(
+        touching,
+        positions,
+        velocities,
+        problem.mass,
+        problem.shear_modulus,
+        problem.smoothing.spacing,
+        problem.smoothing.pinball,
+        dt,
+    )
 
 
 def pinball_forces(

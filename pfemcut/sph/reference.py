@@ -133,6 +133,8 @@ def bounded(
     for _ in range(5):
         steep = smoothing_length * steepness(found, neighbours, gradient, volume) / inside
         over = np.flatnonzero(steep > STEEPEST)
+        if not over.size:
+            break
         values, vectors = np.linalg.eigh(found[over])
         values = np.minimum(values, values[:, -1:] * (STEEPEST / steep[over])[:, None])
         found[over] = np.einsum("nab,nb,ncb->nac", vectors, values, vectors)

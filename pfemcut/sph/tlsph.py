@@ -20,7 +20,7 @@ from pfemcut.particles.state import Arrays
 from pfemcut.particles.stress import PointState, cauchy_stress, linear_pressure, updated_bodies, von_mises
 from pfemcut.sph.connectivity import Connectivity, connectivity, renewed_connectivity
 from pfemcut.sph.damping import Springs, carried, damping_force, hidden_length
-from pfemcut.sph.pinball import pinball_forces
+from pfemcut.sph.pinball import pinball_contact
 from pfemcut.sph.reference import Reference, reach, reference_of, reference_with
 from pfemcut.sph.total_lagrangian import deformation_gradient, internal_force
 from pfemcut.sph.touching import TouchingPairs
@@ -57,8 +57,6 @@ class TotalLagrangian:
 
     def __init__(self, problem: ParticleProblem) -> None:
         self._problem = problem
-        self._bulk = problem.by_body([body.material.bulk_modulus for body in problem.bodies])
-        self._shear = problem.by_body([body.material.shear_modulus for body in problem.bodies])
         self._materials = [body.material for body in problem.bodies]
         self._touching = TouchingPairs(problem.smoothing.spacing, problem.body_number, problem.group)
 
@@ -107,7 +105,7 @@ class TotalLagrangian:
         update = updated_bodies(
             self._materials, problem.ranges, material, velocity_gradient, dt, volume_ratio
         )
-        pressure = linear_pressure(self._bulk, volume_ratio)
+        pressure = linear_pressure(problem.bulk_modulus, volume_ratio)
         stress = cauchy_stress(update.state.deviator, pressure, problem.dimension)
         first_piola = ratio[:, None, None] * product(stress, transposed(inverse(gradient)))
         # Springs of a part of the body's stiffness have that part of its strength.
@@ -143,16 +141,7 @@ class TotalLagrangian:
         """Pinball contact between the bodies, and of each with itself."""
         problem = self._problem
         self._touching.follow(positions, reference.connectivity)
-        return pinball_forces(
-            self._touching,
-            positions,
-            velocities,
-            problem.mass,
-            self._shear,
-            problem.smoothing.spacing,
-            problem.smoothing.pinball,
-            dt,
-        )
+        return pinball_contact(problem, self._touching, positions, velocities, dt)
 
     def renewed(self, memory: Deformation, positions: Array, volume_ratio: Array) -> tuple[Deformation, bool]:
         """The present configuration as reference if a pair has been displaced too far relative to each other."""

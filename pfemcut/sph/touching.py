@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
-from pfemcut.particles.cells import NeighbourList
+from pfemcut.particles.cells import NeighbourList, kept_rows
 from pfemcut.sph.connectivity import Connectivity, are_connected
 
 Array = NDArray[np.float64]
@@ -41,8 +41,7 @@ class OtherBodies:
         offsets, indices = self._near.offsets, self._near.indices
         if self._seen is not indices:
             others = self._body[indices] != np.repeat(self._body, np.diff(offsets))
-            self.offsets = np.concatenate([[0], np.cumsum(others)])[offsets]
-            self.indices = indices[others]
+            self.offsets, self.indices = kept_rows(offsets, indices, others)
             self._seen = indices
 
 
@@ -72,10 +71,7 @@ class TouchingPairs:
         if self._seen and self._seen[0] is connectivity and self._seen[1] is indices:
             return
         touching = _may_touch(offsets, indices, self._body, self._group, *connectivity.rows)
-        owners = np.repeat(np.arange(len(self._body)), np.diff(offsets))
-        counts = np.bincount(owners[touching], minlength=len(self._body))
-        self.offsets = np.concatenate([[0], np.cumsum(counts)])
-        self.indices = indices[touching]
+        self.offsets, self.indices = kept_rows(offsets, indices, touching)
         self._seen = (connectivity, indices)
 
 

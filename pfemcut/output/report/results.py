@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pfemcut.output.report.text import converted, significant, spoken, with_scatter
-from pfemcut.results.definitions import FIGURES, Taken
+from pfemcut.results.definition import Taken
+from pfemcut.results.definitions import FIGURES
 from pfemcut.results.derived.steady_window import SteadyWindow
 from pfemcut.results.summary import (
     LARGEST_AREA_DRIFT,

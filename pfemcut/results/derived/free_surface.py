@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from pfemcut.method import Frame
-from pfemcut.results.definitions import Definition
+from pfemcut.results.definition import Definition
 from pfemcut.results.derived.chip_section import to_rake_frame
 from pfemcut.results.derived.contact_length import temperature
 from pfemcut.tools.rigid_wedge import RigidWedge
